@@ -1,0 +1,68 @@
+// The command line: parses, runs one command, and turns every failure into one sentence and an exit code
+// (docs/errors.md).
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <new>
+
+#include "pipeline/app/commands.h"
+#include "pipeline/app/usage.h"
+#include "pipeline/base/error.h"
+#include "pipeline/run/versions.h"
+
+namespace periost {
+namespace {
+
+// One line per command: the order of --help.
+void add_commands([[maybe_unused]] CLI::App& app, [[maybe_unused]] Session& session) {}
+
+int fail(ErrorKind kind, const std::string& code, const std::string& text, const std::string& hint = {}) {
+  fmt::print(stderr, "periost: error: {}{}{} [{}]\n", text, hint.empty() ? "" : "; ", hint, code);
+  return exit_code(kind);
+}
+
+std::string version_text() {
+  std::string text = fmt::format("periost {}\n", version());
+  for (const auto& [name, number] : library_versions()) text += fmt::format("{} {}\n", name, number);
+  text.pop_back();
+  return text;
+}
+
+int run_program(CLI::App& app, Session& session, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    return session.exit_code;
+  } catch (const CLI::Success& success) {
+    return app.exit(success, std::cout, std::cerr);
+  } catch (const CLI::ParseError& error) {
+    return fail(ErrorKind::kUsage, "usage.command_line", usage_sentence(app, session.arguments, error),
+                "see 'periost --help'");
+  } catch (const Error& error) {
+    return fail(error.kind(), error.code(), error.what(), error.hint());
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::kLimit, "limit.memory", "there is not enough memory");
+  } catch (const std::exception& error) {
+    return fail(ErrorKind::kInternal, "internal.unexpected", fmt::format("unexpected: {}", error.what()),
+                "this is a fault of Periost; please report it");
+  }
+}
+
+}  // namespace
+}  // namespace periost
+
+int main(int argc, char** argv) {
+  using namespace periost;
+  Session session;
+  std::error_code ignored;
+  session.program = std::filesystem::canonical("/proc/self/exe", ignored);
+  session.arguments.assign(argv + 1, argv + argc);
+
+  CLI::App app{"From a CT to a finite-element mesh in one command.", "periost"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text(), "Version of Periost and of its libraries.");
+  app.footer("Every command has its own help: periost COMMAND --help");
+  add_commands(app, session);
+  return run_program(app, session, argc, argv);
+}
