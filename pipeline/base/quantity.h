@@ -36,16 +36,18 @@ struct ByteSize {
 
 // What a parameter measures; it decides which units are accepted and what a bare number means.
 enum class Quantity {
-  kNone,       // not a measure: a name, a switch
-  kCount,      // whole number
-  kNumber,     // pure number
-  kFraction,   // 0..1
-  kLength,     // mm or voxel; bare: mm
-  kAngle,      // deg or rad; bare: deg
-  kIntensity,  // the image's own unit (HU)
-  kVolume,     // mm^3
-  kBytes,      // 4GiB, 500MB; bare numbers refused
-  kSeconds,    // s
+  kNone,        // not a measure: a name, a switch
+  kCount,       // whole number
+  kNumber,      // pure number
+  kFraction,    // 0..1
+  kLength,      // mm or voxel; bare: mm
+  kAngle,       // deg or rad; bare: deg
+  kIntensity,   // the image's own unit (HU)
+  kVolume,      // mm^3
+  kBytes,       // 4GiB, 500MB; bare numbers refused
+  kSeconds,     // s
+  kInputPath,   // a file or folder that is read: its content enters the cache key and run.json's inputs
+  kOutputPath,  // a file that is written, relative to the output folder
 };
 
 // Each parser reads the whole text and returns nothing when it is not of the form. `text` may hold one blank
