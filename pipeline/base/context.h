@@ -54,6 +54,7 @@ class Context {
 
   EventSink sink;                                // where events go; empty: nowhere
   std::string stage;                             // id put into every event
+  std::string name = "mesh";                     // of the run: the base of file names that a stage leaves
   const std::atomic<bool>* cancelled = nullptr;  // set by a signal handler or the embedding program
   std::uint64_t seed = 0;
   int threads = 1;
