@@ -1,0 +1,90 @@
+#include "pipeline/io/image_read.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <functional>
+
+#include "pipeline/base/error.h"
+#include "pipeline/io/image_layout.h"
+#include "pipeline/io/voxels_read.h"
+
+namespace periost {
+namespace {
+
+struct FormatRow {
+  std::string_view ending;
+  ImageLayout (*layout)(const std::filesystem::path&);
+};
+constexpr FormatRow kFormats[] = {
+    {".nii", nifti_layout},    {".nii.gz", nifti_layout}, {".hdr", nifti_layout},
+    {".hdr.gz", nifti_layout}, {".img", nifti_layout},    {".inv3", inv3_layout},
+};
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+void check_path(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw Error(ErrorKind::kInput, "image.missing", fmt::format("there is no file '{}'", path.string()),
+                "check the path; a relative one starts at the configuration's folder");
+  }
+  const std::string name = lower_case(path.filename().string());
+  if (std::filesystem::is_directory(path) || name.ends_with(".dcm") || name == "dicomdir") {
+    refuse_file(path, "image.dicom", "would be read as DICOM, which is not supported yet",
+                "convert the series to NIfTI (for example with dcm2niix) and give that file");
+  }
+}
+
+ImageLayout layout_of(const std::filesystem::path& path, const ImageFileOptions& /*options*/) {
+  check_path(path);
+  const std::string name = lower_case(path.filename().string());
+  for (const FormatRow& row : kFormats) {
+    if (name.ends_with(row.ending)) return row.layout(path);
+  }
+  std::string known;
+  for (const FormatRow& row : kFormats) known += fmt::format("{}{}", known.empty() ? "" : " ", row.ending);
+  refuse_file(path, "image.format", "does not have the ending of an image format that is read",
+              fmt::format("formats are {}; describe a file without header by the key raw", known));
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path, const ImageFileOptions& options, const Context& context) {
+  const ImageLayout layout = layout_of(path, options);
+  for (const std::string& note : layout.notes) context.info("image.assumed", note);
+  return {layout.frame, read_voxels(layout, options.replace_non_finite, context)};
+}
+
+GridFrame read_image_frame(const std::filesystem::path& path, const ImageFileOptions& options) {
+  return layout_of(path, options).frame;
+}
+
+std::string describe(const GridFrame& frame) {
+  constexpr std::string_view kPositive = "LPS";
+  constexpr std::string_view kNegative = "RAI";
+  std::string axes;
+  double least_cosine = 1;
+  for (const Vec3& column : frame.direction.column) {
+    std::size_t main = 0;
+    for (std::size_t row = 1; row < 3; ++row) {
+      if (std::abs(column[row]) > std::abs(column[main])) main = row;
+    }
+    axes += fmt::format(" {}", (column[main] > 0 ? kPositive : kNegative)[main]);
+    least_cosine = std::min(least_cosine, std::abs(column[main]));
+  }
+  const double tilt = std::acos(std::min(least_cosine, 1.0)) * 57.29577951308232;
+  return fmt::format(
+      "{} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g} mm, axes{}{}, origin ({:.6g}, {:.6g}, {:.6g})",
+      frame.dims[0], frame.dims[1], frame.dims[2], frame.spacing.x, frame.spacing.y, frame.spacing.z, axes,
+      tilt > 1 ? fmt::format(" tilted by {:.1f} degrees", tilt) : "", frame.origin.x, frame.origin.y,
+      frame.origin.z);
+}
+
+}  // namespace periost
