@@ -52,18 +52,25 @@ struct DecimationReport {
 // Vertex v is dual to one triangle of the triangulation, face f to one of its vertices. Seen from outside,
 // neighbour[v][0..2] and face[v][0..2] run counter-clockwise, and neighbour[v][k] lies across the edge
 // opposite to face[v][k]: the edge from v to neighbour[v][k] separates the other two faces of v. On an open
-// surface a missing neighbour is kNoVertex.
+// surface a missing neighbour is kNoVertex, and a face cut by the contour begins its walk at first_vertex.
+//
+// While an algorithm edits a mesh, removed elements stay in the arrays: a dead vertex has face[v][0] ==
+// kNoFace, a dead face has valence 0. compact() (geometry/simplex_dual.h) drops them; what travels between
+// stages has none.
 struct SimplexMesh {
   std::vector<Vec3> position;                           // of vertices, LPS mm
   std::vector<std::array<SimplexVertex, 3>> neighbour;  // of vertices
   std::vector<std::array<SimplexFace, 3>> face;         // of vertices
-  std::vector<SimplexVertex> first_vertex;              // of faces: any one vertex of it
+  std::vector<SimplexVertex> first_vertex;              // of faces: any one vertex of it; see above if open
   std::vector<std::uint32_t> valence;                   // of faces: how many vertices
   std::vector<Vec3>
       dual_position;    // of faces: the triangulation's vertex, LPS mm; `certified` guarantees its distance
   Fields face_fields;   // of faces, carried to the triangulation's points (blocking cause, provenance)
   double voxel_mm = 0;  // largest voxel side of the image behind it; 0: none
   DecimationReport report;
+
+  bool is_live(SimplexVertex v) const { return face[index_of(v)][0] != kNoFace; }
+  bool is_live(SimplexFace f) const { return valence[index_of(f)] != 0; }
 };
 
 }  // namespace periost

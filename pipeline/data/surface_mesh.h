@@ -24,8 +24,7 @@ struct SurfaceMesh {
   std::vector<Triangle> triangles;
   Fields point_fields;
   Fields triangle_fields;
-  double voxel_mm = 0;    // largest voxel side of the image behind it; 0: none
-  bool was_read = false;  // from a file, not made by the chain: what is wrong with it is the input's fault
+  double voxel_mm = 0;  // largest voxel side of the image behind it; 0: none
 };
 
 }  // namespace periost
