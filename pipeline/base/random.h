@@ -12,12 +12,13 @@ class Random {
   std::uint64_t next() { return mix(key_ + kGolden * ++counter_); }
   // Uniform in [0, bound); bound > 0. The bias of 2^-64 * bound is accepted.
   std::uint32_t below(std::uint32_t bound) {
-    return static_cast<std::uint32_t>((static_cast<unsigned __int128>(next()) * bound) >> 64);
+    return static_cast<std::uint32_t>((static_cast<Wide>(next()) * bound) >> 64);
   }
   // Uniform in [0, 1) with 53 bits.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
 
  private:
+  __extension__ using Wide = unsigned __int128;
   static constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
   // The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
   static constexpr std::uint64_t mix(std::uint64_t z) {

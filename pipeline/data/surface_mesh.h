@@ -24,7 +24,8 @@ struct SurfaceMesh {
   std::vector<Triangle> triangles;
   Fields point_fields;
   Fields triangle_fields;
-  double voxel_mm = 0;  // largest voxel side of the image behind it; 0: none
+  double voxel_mm = 0;    // largest voxel side of the image behind it; 0: none
+  bool was_read = false;  // from a file, not made by the chain: what is wrong with it is the input's fault
 };
 
 }  // namespace periost

@@ -15,11 +15,18 @@
 //       return {decimate(inputs.get<Isosurface>("isosurface"), options, context)};
 //     }
 //   };
-//   PERIOST_STAGE(decimate, DecimateStage)
+//   PERIOST_STAGE(decimate, DecimateStage)   // at file scope, outside any namespace
+//
+// Kinds of parameters and the hooks that enumerations, groups and text types need: param/codec.h.
 #include <any>
+#include <array>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "pipeline/base/context.h"
@@ -88,10 +95,11 @@ struct Forecast {
 // The dry run of one stage: it sees its options and the forecasts of its inputs, adds diagnostics (with the
 // key concerned) and returns the forecasts of its outputs.
 struct Preflight {
-  std::map<std::string, Forecast> inputs;   // by port
-  std::map<std::string, Forecast> outputs;  // by port; filled in
-  std::uint64_t peak_bytes = 0;             // estimate of the stage's own peak memory; filled in
-  Diagnostics diagnostics;                  // filled in; stage and place are completed by the plan
+  std::map<std::string, Forecast> inputs;    // by port
+  std::map<std::string, Forecast> outputs;   // by port; filled in
+  std::uint64_t peak_bytes = 0;              // estimate of the stage's own peak memory; filled in
+  std::vector<std::filesystem::path> reads;  // input files, filled in; their content enters the cache key
+  Diagnostics diagnostics;                   // filled in; stage and place are completed by the plan
 
   // Adds an error about a key of this stage.
   void error(std::string code, std::string key, std::string text, std::string hint = {});
@@ -183,15 +191,15 @@ class StageOf : public Stage {
 };
 
 class Registry;
+// Hands a stage to the registry (registry.h); throws as Registry::add.
+void register_stage(Registry& registry, std::unique_ptr<Stage> stage);
 
 }  // namespace periost
 
 // Defines periost_register_NAME, which the generated stage list (in tree) or the plugin entry (out of tree)
 // calls.
 #define PERIOST_STAGE(NAME, CLASS)                                  \
+  void periost_register_##NAME(::periost::Registry& registry);      \
   void periost_register_##NAME(::periost::Registry& registry) {     \
     ::periost::register_stage(registry, std::make_unique<CLASS>()); \
   }
-namespace periost {
-void register_stage(Registry& registry, std::unique_ptr<Stage> stage);
-}  // namespace periost
