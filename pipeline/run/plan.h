@@ -1,0 +1,56 @@
+#pragma once
+// The checked chain: every option decoded, every input chosen, every preflight run, before a voxel is read.
+#include <any>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/config/configuration.h"
+#include "pipeline/stage/registry.h"
+
+namespace periost {
+
+// Where an input of a step comes from.
+struct PlanInput {
+  std::string port;        // name of the input
+  std::size_t step = 0;    // index of an earlier step
+  std::size_t output = 0;  // index among that step's declared outputs
+};
+
+struct PlanStep {
+  std::string id;
+  std::string kind;
+  const Stage* stage = nullptr;                   // owned by the registry
+  const StageDeclaration* declaration = nullptr;  // owned by the registry
+  std::any options;                               // for run_any
+  Value params;                                   // every key spelled out; paths absolute
+  std::vector<PlanInput> inputs;                  // connected ports only, in the order of declaration
+  std::map<std::string, Forecast> outputs;        // estimates, by port
+  std::vector<std::filesystem::path> reads;       // files whose content the result depends on
+  std::uint64_t peak_bytes = 0;                   // estimate of the step's own peak memory; 0: unknown
+  SourcePlace place;                              // of the value of `stage:`
+};
+
+struct Plan {
+  std::string name;
+  std::uint64_t seed = 0;
+  Provenance provenance;
+  std::vector<std::filesystem::path> plugins;
+  std::vector<PlanStep> steps;
+  std::uint64_t peak_bytes = 0;  // estimate of the whole run: the largest step with what it must keep alive
+};
+
+// Checks a configuration against the known stages. All problems are added to `diagnostics`, each with its
+// place; a plan with errors among them must not be run. A stage takes the newest artefact of each kind it
+// needs; `from:` picks another; of several inputs of one kind, all but the first must be picked. The registry
+// must outlive the plan.
+Plan make_plan(const Configuration& configuration, const Registry& registry, Diagnostics& diagnostics);
+
+// The configuration that this plan came from with every default, id and input spelled out, as it goes to
+// config.yaml (emit with config/emit.h). Paths are written relative to `folder`, where that file will be;
+// absolute if empty.
+Value resolved_configuration(const Plan& plan, const std::filesystem::path& folder = {});
+
+}  // namespace periost
