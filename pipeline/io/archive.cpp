@@ -165,8 +165,8 @@ void walk(W& w, T& mask) {
 
 template <class W, Same<SurfaceMesh> T>
 void walk(W& w, T& mesh) {
-  auto& [points, triangles, point_fields, triangle_fields, voxel_mm] = mesh;
-  members(w, points, triangles, point_fields, triangle_fields, voxel_mm);
+  auto& [points, triangles, point_fields, triangle_fields, voxel_mm, was_read] = mesh;
+  members(w, points, triangles, point_fields, triangle_fields, voxel_mm, was_read);
 }
 
 using Blocks = std::unordered_map<std::uint64_t, CellBlock>;
