@@ -1,0 +1,106 @@
+#include "pipeline/run/manifest.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/run/resources.h"
+#include "pipeline/run/versions.h"
+
+namespace periost {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 5> kStatusNames{"passed", "warned", "gate_failed", "failed", "interrupted"};
+
+Json json_of(const FileRecord& record, const char* path_key) {
+  return {{path_key, record.file}, {"bytes", record.bytes}, {"xxh128", record.xxh128}};
+}
+
+Json json_of(const OutputRecord& record) {
+  Json output{{"kind", record.kind}};
+  if (!record.file.empty()) output["file"] = record.file;
+  output["xxh128"] = record.xxh128;
+  output["facts"] = Json(record.facts);
+  for (const FileRecord& file : record.files) output["files"].push_back(json_of(file, "file"));
+  return output;
+}
+
+Json json_of(const StageRecord& record) {
+  Json stage{{"id", record.id},
+             {"kind", record.kind},
+             {"wall_s", record.wall_s},
+             {"cpu_s", record.cpu_s},
+             {"peak_rss_bytes", record.peak_rss_bytes},
+             {"cached", record.cached},
+             {"outputs", Json::array()}};
+  for (const OutputRecord& output : record.outputs) stage["outputs"].push_back(json_of(output));
+  return stage;
+}
+
+// Words of the command that are paths are cut as inputs are; the rest stays as typed.
+Json json_of_command(const Manifest& manifest) {
+  Json command = Json::array({"periost"});
+  for (const std::string& word : manifest.command) {
+    const std::size_t equals = word.find('=');
+    const std::size_t start = equals == std::string::npos ? 0 : equals + 1;
+    const bool is_path = word.find('/', start) != std::string::npos;
+    command.push_back(is_path ? word.substr(0, start) + provenance_path(word.substr(start), manifest.paths)
+                              : word);
+  }
+  return command;
+}
+
+}  // namespace
+
+std::string name_of(RunStatus status) {
+  return kStatusNames[static_cast<std::size_t>(status)];
+}
+
+std::string provenance_path(const std::filesystem::path& path, PathProvenance paths) {
+  switch (paths) {
+    case PathProvenance::kFull:
+      return path.string();
+    case PathProvenance::kBasename:
+      return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+    case PathProvenance::kNone:
+      return {};
+  }
+  return {};
+}
+
+std::string manifest_json(const Manifest& manifest) {
+  Json document{{"schema", "periost-run/1"},
+                {"name", manifest.name},
+                {"status", name_of(manifest.status)},
+                {"exit_code", manifest.exit_code},
+                {"version", version()},
+                {"libraries", Json(library_versions())},
+                {"command", json_of_command(manifest)},
+                {"host", {{"cores", core_count()}, {"memory_bytes", machine_memory_bytes()}}},
+                {"seed", manifest.seed},
+                {"threads", manifest.threads},
+                {"memory_limit_bytes", nullptr},
+                {"started", manifest.started},
+                {"wall_s", manifest.wall_s},
+                {"peak_rss_bytes", manifest.peak_rss_bytes},
+                {"inputs", Json::array()},
+                {"stages", Json::array()},
+                {"rounds", Json::array()},
+                {"error", nullptr}};
+  if (manifest.memory_bytes > 0) document["memory_limit_bytes"] = manifest.memory_bytes;
+  for (const FileRecord& input : manifest.inputs) document["inputs"].push_back(json_of(input, "path"));
+  for (const StageRecord& stage : manifest.stages) document["stages"].push_back(json_of(stage));
+  for (const RoundRecord& round : manifest.rounds) {
+    document["rounds"].push_back({{"round", round.round}, {"verdict", round.verdict}});
+  }
+  if (manifest.error) {
+    document["error"] = {{"code", manifest.error->code},
+                         {"stage", manifest.error->stage},
+                         {"text", manifest.error->text},
+                         {"hint", manifest.error->hint}};
+  }
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace periost
