@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Checks that take longer than the gate allows: clang-tidy over the whole tree, the sanitizers over every test, the demo on
+# a bare system.
+set -euo pipefail
+. "$(dirname "$0")/lib.sh"
+mkdir -p "$root/build"
+"$root/scripts/setup.sh"
+"$root/scripts/check-style.sh"
+"$root/scripts/test-sanitizers.sh"
+say "every test with sanitizers"
+(cd "$root" && ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -E '^unit\.' -j "$(jobs)")
+"$root/scripts/test-bare.sh"
+"$root/scripts/test-bare.sh" scripts/test.sh

@@ -1,0 +1,8 @@
+#!/usr/bin/env bash
+# Rewrites the facts that the golden tests expect, printing each value that changed. Look before you commit.
+set -euo pipefail
+. "$(dirname "$0")/lib.sh"
+build release --target periost periost-tetgen test_golden
+cd "$root"
+if cranium=$("$root/scripts/fetch_data.sh" 2>/dev/null); then export PERIOST_CRANIUM="$cranium"; fi
+PERIOST_UPDATE_GOLDEN=1 build/release/tests/test_golden "$@"
