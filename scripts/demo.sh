@@ -10,7 +10,7 @@ mkdir -p "$root/build"
 say "building"
 build release --target periost periost-tetgen
 say "fetching the CT head of Debian's invesalius-examples"
-PERIOST_CRANIUM=$("$root/scripts/fetch_data.sh")
+PERIOST_CRANIUM=$(cranium)
 export PERIOST_CRANIUM
 say "running configs/cranium.yaml"
 "$root/build/release/bin/periost" run "$root/configs/cranium.yaml" --out "$out" --force

@@ -21,3 +21,10 @@ build() {
     { tail -n 30 "$root/build/$preset.configure.log" >&2; die "cmake could not configure preset '$preset'"; }
   (cd "$root" && cmake --build --preset "$preset" -j "$(jobs)" "$@")
 }
+
+# The CT head of Debian's invesalius-examples, fetched if need be.
+cranium() {
+  local folder
+  folder=$("$root/scripts/fetch_data.sh" invesalius-examples) || return 1
+  find "$folder" -name Cranium.inv3 -print -quit
+}

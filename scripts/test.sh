@@ -9,5 +9,5 @@ say "building"
 build release
 say "testing"
 cd "$root"
-if cranium=$("$root/scripts/fetch_data.sh" 2>/dev/null); then export PERIOST_CRANIUM="$cranium"; fi
+if image=$(cranium 2>/dev/null); then export PERIOST_CRANIUM="$image"; fi
 ctest --preset release -j "$(jobs)" "$@"

@@ -4,5 +4,5 @@ set -euo pipefail
 . "$(dirname "$0")/lib.sh"
 build release --target periost periost-tetgen test_golden
 cd "$root"
-if cranium=$("$root/scripts/fetch_data.sh" 2>/dev/null); then export PERIOST_CRANIUM="$cranium"; fi
+if image=$(cranium 2>/dev/null); then export PERIOST_CRANIUM="$image"; fi
 PERIOST_UPDATE_GOLDEN=1 build/release/tests/test_golden "$@"
