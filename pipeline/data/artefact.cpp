@@ -72,7 +72,7 @@ struct MemoryOf {
   std::size_t operator()(const Mask& mask) const { return bytes_of(mask.inside); }
   std::size_t operator()(const SurfaceMesh& mesh) const { return bytes_of(mesh); }
   std::size_t operator()(const Isosurface& isosurface) const {
-    return bytes_of(isosurface.surface) + isosurface.blocks.size() * (sizeof(CellBlock) + 32);
+    return bytes_of(isosurface.surface) + bytes_of(isosurface.block_table) + bytes_of(isosurface.blocks);
   }
   std::size_t operator()(const SimplexMesh& mesh) const {
     return bytes_of(mesh.position) + bytes_of(mesh.neighbour) + bytes_of(mesh.face) +

@@ -169,35 +169,17 @@ void walk(W& w, T& mesh) {
   members(w, points, triangles, point_fields, triangle_fields, voxel_mm, was_read);
 }
 
-using Blocks = std::unordered_map<std::uint64_t, CellBlock>;
-
-// By rising key, so that equal tables have equal bytes.
-template <class W, Same<Blocks> T>
-void walk(W& w, T& blocks) {
-  std::uint64_t count = blocks.size();
-  walk(w, count);
-  if constexpr (W::kReads) {
-    w.check(count, sizeof(std::uint64_t) + sizeof(CellBlock));
-    blocks.reserve(count);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      std::uint64_t key = 0;
-      CellBlock block;
-      members(w, key, block.first);
-      blocks.emplace(key, block);
-    }
-  } else {
-    std::vector<std::uint64_t> keys;
-    keys.reserve(count);
-    for (const auto& entry : blocks) keys.push_back(entry.first);
-    std::sort(keys.begin(), keys.end());
-    for (const std::uint64_t key : keys) members(w, key, blocks.at(key).first);
-  }
+// Member by member: the structure has padding bytes.
+template <class W, Same<CellBlock> T>
+void walk(W& w, T& block) {
+  auto& [first_cell, first_triangle, first] = block;
+  members(w, first_cell, first_triangle, first);
 }
 
 template <class W, Same<Isosurface> T>
 void walk(W& w, T& isosurface) {
-  auto& [frame, surface, blocks, is_open] = isosurface;
-  members(w, frame, surface, blocks, is_open);
+  auto& [frame, surface, block_table, blocks, is_open] = isosurface;
+  members(w, frame, surface, block_table, blocks, is_open);
 }
 
 template <class W, Same<DecimationReport> T>

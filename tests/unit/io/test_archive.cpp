@@ -31,8 +31,13 @@ SurfaceMesh a_surface() {
 }
 
 Isosurface an_isosurface() {
-  Isosurface isosurface{oblique_frame(), a_surface(), {}, true};
-  for (std::uint64_t key : {7u, 1000u, 3u, 99999u}) isosurface.blocks[key].first[5] = static_cast<Index>(key);
+  Isosurface isosurface{oblique_frame(), a_surface(), {0, kNoIndex, 1}, {}, true};
+  for (const std::uint16_t last : {7, 1000}) {
+    CellBlock& block = isosurface.blocks.emplace_back();
+    block.first_cell = {-1, 7, last};
+    block.first_triangle = last;
+    block.first.back() = last;
+  }
   return isosurface;
 }
 
