@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pipeline/data/isosurface.h"
+#include "pipeline/geometry/closest_point.h"
 
 namespace periost {
 
@@ -41,8 +42,5 @@ std::optional<IsosurfacePoint> closest_point(const Isosurface& isosurface, Vec3 
 // = 1.
 std::optional<IsosurfacePoint> closest_along_line(const Isosurface& isosurface, Vec3 p, Vec3 unit_normal,
                                                   double within_mm);
-
-// The point of triangle (a, b, c) closest to p; right for degenerate triangles too.
-Vec3 closest_point_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 
 }  // namespace periost

@@ -15,13 +15,6 @@ namespace {
 constexpr std::size_t kLeafTriangles = 4;
 constexpr std::size_t kParallelLeaves = 4096;  // ranges of at most so many leaves are built in parallel
 
-Vec3 closest_on_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 ab = b - a;
-  const double length = squared_norm(ab);
-  if (length == 0) return a;
-  return a + std::clamp(dot(p - a, ab) / length, 0.0, 1.0) * ab;
-}
-
 float below(double x) {
   const auto f = static_cast<float>(x);
   return static_cast<double>(f) <= x ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
@@ -32,23 +25,6 @@ float above(double x) {
 }
 
 }  // namespace
-
-Vec3 closest_point_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac);
-  const double area = squared_norm(normal);
-  if (area > 0) {
-    // Barycentric coordinates of the foot of p in the plane.
-    const Vec3 ap = p - a;
-    const double v = dot(cross(ap, ac), normal) / area, w = dot(cross(ab, ap), normal) / area;
-    if (v >= 0 && w >= 0 && v + w <= 1) return a + v * ab + w * ac;
-  }
-  // Outside, the closest point is on one of the sides.
-  Vec3 best = closest_on_segment(p, a, b);
-  for (const Vec3 candidate : {closest_on_segment(p, b, c), closest_on_segment(p, c, a)}) {
-    if (squared_norm(p - candidate) < squared_norm(p - best)) best = candidate;
-  }
-  return best;
-}
 
 SpatialSearch::SpatialSearch(const SurfaceMesh& mesh, const Context& context) {
   const std::size_t count = mesh.triangles.size();

@@ -6,11 +6,9 @@
 
 #include "pipeline/base/context.h"
 #include "pipeline/data/surface_mesh.h"
+#include "pipeline/geometry/closest_point.h"
 
 namespace periost {
-
-// The point of triangle a, b, c nearest to p; degenerate triangles allowed.
-Vec3 closest_point_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 
 // Immutable after construction, so queries may run on any number of threads. Copies the corners (about 90
 // bytes a triangle); the mesh need not live on. Built in O(n log n), in parallel, and always the same for the
