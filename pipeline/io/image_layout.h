@@ -52,7 +52,13 @@ GridFrame frame_from_steps(const std::filesystem::path& path, const std::array<s
 std::filesystem::path data_file_beside(const std::filesystem::path& header, const std::string& name);
 
 // Headers, by format. Each throws Error{kInput, "image.…"} with what is wrong and where.
-ImageLayout nifti_layout(const std::filesystem::path& path);  // .nii .nii.gz .hdr/.img, versions 1 and 2
-ImageLayout inv3_layout(const std::filesystem::path& path);   // .inv3, a project of InVesalius
+ImageLayout nifti_layout(const std::filesystem::path& path);      // .nii .nii.gz .hdr/.img, versions 1 and 2
+ImageLayout inv3_layout(const std::filesystem::path& path);       // .inv3, a project of InVesalius
+ImageLayout metaimage_layout(const std::filesystem::path& path);  // .mha .mhd
+ImageLayout nrrd_layout(const std::filesystem::path& path);       // .nrrd .nhdr
+ImageLayout inrimage_layout(const std::filesystem::path& path);   // .inr .inr.gz
+ImageLayout vti_layout(const std::filesystem::path& path);  // .vti; its voxels are read by read_vti_voxels
+struct RawImageOptions;
+ImageLayout raw_layout(const std::filesystem::path& path, const RawImageOptions& raw);
 
 }  // namespace periost

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <functional>
 
 #include "pipeline/base/error.h"
 #include "pipeline/io/image_layout.h"
+#include "pipeline/io/text_header.h"
 #include "pipeline/io/voxels_read.h"
 
 namespace periost {
@@ -17,16 +16,20 @@ namespace {
 struct FormatRow {
   std::string_view ending;
   ImageLayout (*layout)(const std::filesystem::path&);
+  std::vector<float> (*voxels)(const ImageLayout&, bool, const Context&);
 };
 constexpr FormatRow kFormats[] = {
-    {".nii", nifti_layout},    {".nii.gz", nifti_layout}, {".hdr", nifti_layout},
-    {".hdr.gz", nifti_layout}, {".img", nifti_layout},    {".inv3", inv3_layout},
+    {".nii", nifti_layout, read_voxels},       {".nii.gz", nifti_layout, read_voxels},
+    {".hdr", nifti_layout, read_voxels},       {".hdr.gz", nifti_layout, read_voxels},
+    {".mha", metaimage_layout, read_voxels},   {".mhd", metaimage_layout, read_voxels},
+    {".nrrd", nrrd_layout, read_voxels},       {".nhdr", nrrd_layout, read_voxels},
+    {".vti", vti_layout, read_vti_voxels},     {".inr", inrimage_layout, read_voxels},
+    {".inr.gz", inrimage_layout, read_voxels}, {".inv3", inv3_layout, read_voxels},
 };
 
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
+[[noreturn]] void refuse_dicom(const std::filesystem::path& path) {
+  refuse_file(path, "image.dicom", "would be read as DICOM, which is not supported yet",
+              "convert the series to NIfTI (for example with dcm2niix) and give that file");
 }
 
 void check_path(const std::filesystem::path& path) {
@@ -37,33 +40,44 @@ void check_path(const std::filesystem::path& path) {
   }
   const std::string name = lower_case(path.filename().string());
   if (std::filesystem::is_directory(path) || name.ends_with(".dcm") || name == "dicomdir") {
-    refuse_file(path, "image.dicom", "would be read as DICOM, which is not supported yet",
-                "convert the series to NIfTI (for example with dcm2niix) and give that file");
+    refuse_dicom(path);
   }
 }
 
-ImageLayout layout_of(const std::filesystem::path& path, const ImageFileOptions& /*options*/) {
-  check_path(path);
+// DICOM files often have no ending; "DICM" stands at byte 128.
+bool is_dicom(const std::filesystem::path& path) {
+  ByteSource source(path, Coding::kPlain);
+  std::array<char, 132> head{};
+  return source.read(head.data(), head.size()) == head.size() &&
+         std::string_view(head.data() + 128, 4) == "DICM";
+}
+
+const FormatRow& format_of(const std::filesystem::path& path) {
   const std::string name = lower_case(path.filename().string());
   for (const FormatRow& row : kFormats) {
-    if (name.ends_with(row.ending)) return row.layout(path);
+    if (name.ends_with(row.ending)) return row;
   }
+  if (is_dicom(path)) refuse_dicom(path);
   std::string known;
-  for (const FormatRow& row : kFormats) known += fmt::format("{}{}", known.empty() ? "" : " ", row.ending);
+  for (const FormatRow& row : kFormats) known += fmt::format(" {}", row.ending);
   refuse_file(path, "image.format", "does not have the ending of an image format that is read",
-              fmt::format("formats are {}; describe a file without header by the key raw", known));
+              fmt::format("endings are{}; describe a file without a header by the key raw", known));
 }
 
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, const ImageFileOptions& options, const Context& context) {
-  const ImageLayout layout = layout_of(path, options);
+  check_path(path);
+  const FormatRow* format = options.raw ? nullptr : &format_of(path);
+  const ImageLayout layout = format == nullptr ? raw_layout(path, *options.raw) : format->layout(path);
   for (const std::string& note : layout.notes) context.info("image.assumed", note);
-  return {layout.frame, read_voxels(layout, options.replace_non_finite, context)};
+  const auto voxels = format == nullptr ? read_voxels : format->voxels;
+  return {layout.frame, voxels(layout, options.replace_non_finite, context)};
 }
 
 GridFrame read_image_frame(const std::filesystem::path& path, const ImageFileOptions& options) {
-  return layout_of(path, options).frame;
+  check_path(path);
+  return (options.raw ? raw_layout(path, *options.raw) : format_of(path).layout(path)).frame;
 }
 
 std::string describe(const GridFrame& frame) {

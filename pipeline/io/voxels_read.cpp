@@ -62,20 +62,6 @@ bool all_finite(const float* values, std::size_t count) {
   return is_finite;
 }
 
-// Voxels that are NaN or infinite: how many, and the first one.
-struct NotFinite {
-  std::size_t count = 0;
-  std::size_t first = 0;
-
-  void scan(const float* values, std::size_t begin, std::size_t number) {
-    if (all_finite(values, number)) return;
-    for (std::size_t n = 0; n < number; ++n) {
-      if (std::isfinite(values[n])) continue;
-      if (count++ == 0) first = begin + n;
-    }
-  }
-};
-
 std::string index_text(const GridFrame& frame, std::size_t voxel) {
   const std::size_t row = static_cast<std::size_t>(frame.dims[0]);
   const std::size_t slice = row * static_cast<std::size_t>(frame.dims[1]);
@@ -103,18 +89,26 @@ void check_claim(const ImageLayout& layout, const ByteSource& source) {
               "copy or download the file again");
 }
 
-void handle_non_finite(const ImageLayout& layout, const NotFinite& bad, bool replace, const Context& context,
+}  // namespace
+
+void settle_non_finite(const ImageLayout& layout, bool replace, const Context& context,
                        std::vector<float>& values) {
-  if (bad.count == 0) return;
-  if (!replace || bad.count == values.size()) {
-    refuse_file(layout.data_file, "image.not_finite",
-                fmt::format("has {} voxels that are NaN or infinite, the first at index {}", bad.count,
-                            index_text(layout.frame, bad.first)),
-                "set non_finite: lowest to give them the lowest value of the image");
-  }
+  std::size_t count = 0;
+  std::size_t first = 0;
   float lowest = std::numeric_limits<float>::max();
-  for (const float value : values) {
-    if (std::isfinite(value)) lowest = std::min(lowest, value);
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    if (std::isfinite(values[n])) {
+      lowest = std::min(lowest, values[n]);
+    } else if (count++ == 0) {
+      first = n;
+    }
+  }
+  if (count == 0) return;
+  const std::string where = index_text(layout.frame, first);
+  if (!replace || count == values.size()) {
+    refuse_file(layout.data_file, "image.not_finite",
+                fmt::format("has {} voxels that are NaN or infinite, the first at index {}", count, where),
+                "set non_finite: lowest to give them the lowest value of the image");
   }
   for (float& value : values) {
     if (!std::isfinite(value)) value = lowest;
@@ -122,10 +116,8 @@ void handle_non_finite(const ImageLayout& layout, const NotFinite& bad, bool rep
   context.warn(
       "image.not_finite",
       fmt::format("{} voxels are NaN or infinite, the first at index {}; they got the lowest value, {}",
-                  bad.count, index_text(layout.frame, bad.first), lowest));
+                  count, where, lowest));
 }
-
-}  // namespace
 
 std::vector<float> read_voxels(const ImageLayout& layout, bool replace_non_finite, const Context& context) {
   ByteSource source(layout.data_file, layout.coding, layout.file_offset);
@@ -144,7 +136,7 @@ std::vector<float> read_voxels(const ImageLayout& layout, bool replace_non_finit
   unsigned char* bytes = reinterpret_cast<unsigned char*>(block.data());
 
   Progress progress(context, "reading voxels", count);
-  NotFinite bad;
+  bool is_finite = true;
   std::size_t inexact = 0;
   while (values.size() < count) {
     const std::size_t begin = values.size();
@@ -155,11 +147,11 @@ std::vector<float> read_voxels(const ImageLayout& layout, bool replace_non_finit
     if (values.capacity() < begin + wanted) values.reserve(std::min(count, 2 * (begin + wanted)));
     values.resize(begin + wanted);
     inexact += to_float(bytes, wanted, layout.slope, layout.intercept, values.data() + begin);
-    bad.scan(values.data() + begin, begin, wanted);
+    is_finite &= all_finite(values.data() + begin, wanted);
     progress.step(wanted);
   }
   source.check_rest(std::max<std::uint64_t>(count * size, std::uint64_t{1} << 26));
-  handle_non_finite(layout, bad, replace_non_finite, context, values);
+  if (!is_finite) settle_non_finite(layout, replace_non_finite, context, values);
   if (inexact > 0) {
     context.warn("image.precision",
                  fmt::format("{} voxels of type {} are beyond 2^24 and were rounded to single precision",

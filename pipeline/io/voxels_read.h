@@ -12,4 +12,13 @@ namespace periost {
 // Error{kInput}: "image.truncated", "image.corrupt", "image.not_finite".
 std::vector<float> read_voxels(const ImageLayout& layout, bool replace_non_finite, const Context& context);
 
+// The same for VTK's image data, by VTK.
+std::vector<float> read_vti_voxels(const ImageLayout& layout, bool replace_non_finite,
+                                   const Context& context);
+
+// Refuses voxels that are NaN or infinite ("image.not_finite"), or gives them the lowest finite value with a
+// warning.
+void settle_non_finite(const ImageLayout& layout, bool replace, const Context& context,
+                       std::vector<float>& values);
+
 }  // namespace periost
