@@ -9,15 +9,11 @@
 
 #include "pipeline/data/image.h"
 #include "pipeline/io/byte_source.h"
+#include "pipeline/io/voxel_type.h"
 
 namespace periost {
 
-enum class VoxelType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
-
-std::size_t bytes_of(VoxelType type);
-// "int16", "float32", ...
-std::string_view name_of(VoxelType type);
-// The type of a name as above, or a throw of "image.type" that lists them.
+// The type of a name such as "int16", or a throw of "image.type" that lists them.
 VoxelType voxel_type_from_name(const std::filesystem::path& path, std::string_view name);
 
 struct ImageLayout {

@@ -75,9 +75,16 @@ Image read_image(const std::filesystem::path& path, const ImageFileOptions& opti
   return {layout.frame, voxels(layout, options.replace_non_finite, context)};
 }
 
-GridFrame read_image_frame(const std::filesystem::path& path, const ImageFileOptions& options) {
+ImageHeader read_image_header(const std::filesystem::path& path, const ImageFileOptions& options) {
   check_path(path);
-  return (options.raw ? raw_layout(path, *options.raw) : format_of(path).layout(path)).frame;
+  const ImageLayout layout = options.raw ? raw_layout(path, *options.raw) : format_of(path).layout(path);
+  ImageHeader header{layout.frame, layout.type, layout.format, {path}};
+  if (layout.data_file != path) header.files.push_back(layout.data_file);
+  return header;
+}
+
+GridFrame read_image_frame(const std::filesystem::path& path, const ImageFileOptions& options) {
+  return read_image_header(path, options).frame;
 }
 
 std::string describe(const GridFrame& frame) {

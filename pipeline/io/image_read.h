@@ -7,21 +7,24 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/base/context.h"
 #include "pipeline/data/image.h"
+#include "pipeline/io/voxel_type.h"
 
 namespace periost {
 
-// A file without a header. direction: the unit vectors of axes i, j, k in LPS, one after the other.
+// A file without a header.
 struct RawImageOptions {
-  std::array<std::int64_t, 3> dims{0, 0, 0};                   // voxels along i (fastest), j, k
-  std::string type = "int16";                                  // int8 .. uint64, float32, float64
-  std::array<double, 3> spacing{1, 1, 1};                      // mm
-  std::array<double, 3> origin{0, 0, 0};                       // mm, LPS, centre of the first voxel
-  std::array<double, 9> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};  //
-  std::string endian = "little";                               // little | big
-  std::uint64_t header_bytes = 0;                              // bytes to skip
+  std::array<std::int64_t, 3> dims{0, 0, 0};  // voxels along i (fastest), j, k
+  VoxelType type = VoxelType::kInt16;         // how one is stored
+  std::array<double, 3> spacing{1, 1, 1};     // mm
+  std::array<double, 3> origin{0, 0, 0};      // mm, LPS, centre of the first voxel
+  std::array<double, 9> direction{1, 0, 0, 0, 1,
+                                  0, 0, 0, 1};  // unit vectors of i, j, k in LPS, one after the other
+  ByteOrder endian = ByteOrder::kLittle;        // order of the bytes of one voxel
+  std::uint64_t header_bytes = 0;               // bytes to skip
 };
 
 struct ImageFileOptions {
@@ -37,7 +40,14 @@ struct ImageFileOptions {
 Image read_image(const std::filesystem::path& path, const ImageFileOptions& options = {},
                  const Context& context = {});
 
-// Size and frame alone, from the header. Throws as above, except for what only the voxels can tell.
+// What the header alone tells. Throws as above, except for what only the voxels can tell.
+struct ImageHeader {
+  GridFrame frame;
+  VoxelType type = VoxelType::kInt16;
+  std::string format;                        // "NIfTI-1", "NRRD", ...
+  std::vector<std::filesystem::path> files;  // the file, and the one with the voxels if that is another
+};
+ImageHeader read_image_header(const std::filesystem::path& path, const ImageFileOptions& options = {});
 GridFrame read_image_frame(const std::filesystem::path& path, const ImageFileOptions& options = {});
 
 // One line such as "512 x 512 x 200 voxels of 0.7 x 0.7 x 1 mm, axes L P S, origin (-120, -110, 40)". The

@@ -9,12 +9,8 @@ namespace periost {
 ImageLayout raw_layout(const std::filesystem::path& path, const RawImageOptions& raw) {
   ImageLayout layout;
   layout.format = "raw";
-  layout.type = voxel_type_from_name(path, raw.type);
-  if (raw.endian != "little" && raw.endian != "big") {
-    refuse_file(path, "image.header",
-                fmt::format("is given the endian '{}'; it can be little or big", raw.endian));
-  }
-  layout.is_big_endian = raw.endian == "big";
+  layout.type = raw.type;
+  layout.is_big_endian = raw.endian == ByteOrder::kBig;
   std::array<Vec3, 3> step;
   for (std::size_t a = 0; a < 3; ++a) {
     step[a] = normalized({raw.direction[3 * a], raw.direction[3 * a + 1], raw.direction[3 * a + 2]}) *
@@ -32,7 +28,7 @@ ImageLayout raw_layout(const std::filesystem::path& path, const RawImageOptions&
     refuse_file(path, source.file_bytes() < wanted ? "image.truncated" : "image.dims",
                 fmt::format("has {} bytes, but {} header bytes and {} x {} x {} voxels of {} make {}",
                             source.file_bytes(), raw.header_bytes, raw.dims[0], raw.dims[1], raw.dims[2],
-                            raw.type, wanted),
+                            name_of(raw.type), wanted),
                 "check dims, type and header_bytes");
   }
   return layout;
