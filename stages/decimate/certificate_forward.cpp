@@ -1,0 +1,246 @@
+#include "stages/decimate/certificate_forward.h"
+
+#include <algorithm>
+
+namespace periost {
+namespace {
+
+constexpr int kBisectionDepth = 9;
+constexpr int kWalkLimit = 256;
+constexpr std::size_t kFloodLimit = 4096;
+constexpr double kMinimumObliquity = 0.2;  // least product of T's normal with the direction
+constexpr double kMargin = 1e-10;          // of barycentric coordinates, always on the safe side
+// An interior point of T in general position; the degree is measured there.
+constexpr std::array<double, 3> kProbe{0.337103, 0.328759, 0.334138};
+
+// A point in T's coordinates: barycentric along the direction, and height in mm.
+struct Shadow {
+  std::array<double, 3> lambda;
+  double height;
+};
+
+// The affine map from space to shadows.
+class ShadowMap {
+ public:
+  ShadowMap(const std::array<Vec3, 3>& t, Vec3 direction) : origin_(t[0]) {
+    const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0];
+    const Vec3 n = cross(e1, e2);
+    const double det = dot(n, direction);
+    valid_ = det > kMinimumObliquity * norm(n);
+    if (!valid_) return;
+    row1_ = cross(e2, direction) / det;
+    row2_ = cross(direction, e1) / det;
+    row3_ = n / det;
+  }
+  bool is_valid() const { return valid_; }
+  Shadow operator()(Vec3 p) const {
+    const Vec3 d = p - origin_;
+    const double l1 = dot(row1_, d), l2 = dot(row2_, d);
+    return {{1 - l1 - l2, l1, l2}, dot(row3_, d)};
+  }
+
+ private:
+  Vec3 origin_, row1_, row2_, row3_;
+  bool valid_ = false;
+};
+
+// Twice the signed area of (a, b, c) in the plane of the second and third coordinate.
+double turn(const std::array<double, 3>& a, const std::array<double, 3>& b, const std::array<double, 3>& c) {
+  return (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1]);
+}
+
+// Whether the shadow of an edge meets T; true in doubt.
+bool edge_meets(const Shadow& a, const Shadow& b) {
+  double first = 0, last = 1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double la = a.lambda[i] + kMargin, lb = b.lambda[i] + kMargin;
+    if (la < 0 && lb < 0) return false;
+    if (la < 0) first = std::max(first, la / (la - lb));
+    if (lb < 0) last = std::min(last, la / (la - lb));
+  }
+  return first <= last + kMargin;
+}
+
+// Whether the height is within the tolerance all over the overlay of T with an isosurface triangle: the
+// triangle's shadow is clipped by T's three sides (Sutherland and Hodgman 1974).
+bool overlay_is_within(const std::array<Shadow, 3>& s, double tolerance) {
+  std::array<Shadow, 9> polygon, clipped;
+  std::size_t count = 3;
+  std::copy(s.begin(), s.end(), polygon.begin());
+  for (std::size_t side = 0; side < 3; ++side) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Shadow& a = polygon[i];
+      const Shadow& b = polygon[i + 1 == count ? 0 : i + 1];
+      const double la = a.lambda[side], lb = b.lambda[side];
+      if (la >= -kMargin) clipped[kept++] = a;
+      if ((la >= -kMargin) != (lb >= -kMargin)) {
+        const double t = (la + kMargin) / (la - lb);
+        Shadow& cut = clipped[kept++];
+        for (std::size_t k = 0; k < 3; ++k) cut.lambda[k] = a.lambda[k] + t * (b.lambda[k] - a.lambda[k]);
+        cut.height = a.height + t * (b.height - a.height);
+      }
+    }
+    count = kept;
+    polygon = clipped;
+  }
+  return std::all_of(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(count),
+                     [&](const Shadow& p) { return std::abs(p.height) <= tolerance; });
+}
+
+// What a triangle adds to the degree at the probe: positive ones count only when surely around it, negative
+// ones also when perhaps.
+int degree_at_probe(const std::array<Shadow, 3>& s) {
+  const double a = turn(s[0].lambda, s[1].lambda, kProbe), b = turn(s[1].lambda, s[2].lambda, kProbe),
+               c = turn(s[2].lambda, s[0].lambda, kProbe);
+  if (a > kMargin * kMargin && b > kMargin * kMargin && c > kMargin * kMargin) return 1;
+  return a < kMargin && b < kMargin && c < kMargin ? -1 : 0;
+}
+
+std::array<Shadow, 3> shadows(const Reference& reference, Index t, const ShadowMap& map) {
+  const auto c = reference.corners(t);
+  return {map(c[0]), map(c[1]), map(c[2])};
+}
+
+// Walks over the isosurface to the triangle under the probe; kNoIndex when it folds back or has a contour on
+// the way.
+Index walk_to_probe(const Reference& reference, Index start, const ShadowMap& map) {
+  Index t = start;
+  for (int step = 0; step < kWalkLimit && t != kNoIndex; ++step) {
+    const auto s = shadows(reference, t, map);
+    double worst = 0;
+    std::size_t exit = 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double side = turn(s[(k + 1) % 3].lambda, s[(k + 2) % 3].lambda, kProbe);
+      if (side < worst) {
+        worst = side;
+        exit = k;
+      }
+    }
+    if (exit == 3) return t;
+    t = reference.triangles[t].across[exit];
+  }
+  return kNoIndex;
+}
+
+struct Piece {
+  std::array<Vec3, 3> corner;
+  std::array<std::uint32_t, 3> list;  // offset in the pool; pool[list] is the length
+  int depth;
+};
+
+// Appends the triangles near a point to the pool; false when there is none.
+bool push_near(const Reference& reference, Vec3 point, double tolerance, ForwardScratch& scratch,
+               std::uint32_t& list) {
+  reference.within(point, tolerance, scratch.found);
+  list = static_cast<std::uint32_t>(scratch.pool.size());
+  scratch.pool.push_back(static_cast<Index>(scratch.found.size()));
+  scratch.pool.insert(scratch.pool.end(), scratch.found.begin(), scratch.found.end());
+  return !scratch.found.empty();
+}
+
+bool share_a_triangle(const std::vector<Index>& pool, const std::array<std::uint32_t, 3>& list) {
+  const auto contains = [&](std::uint32_t l, Index t) {
+    const auto begin = pool.begin() + l + 1;
+    return std::find(begin, begin + pool[l], t) != begin + pool[l];
+  };
+  for (std::uint32_t i = 0; i < pool[list[0]]; ++i) {
+    const Index t = pool[list[0] + 1 + i];
+    if (contains(list[1], t) && contains(list[2], t)) return true;
+  }
+  return false;
+}
+
+std::size_t longest_edge(const std::array<Vec3, 3>& c) {
+  std::size_t longest = 0;
+  double length = -1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double l = squared_norm(c[(k + 2) % 3] - c[(k + 1) % 3]);
+    if (l > length) {
+      length = l;
+      longest = k;
+    }
+  }
+  return longest;
+}
+
+}  // namespace
+
+bool certify_by_overlay(const Reference& reference, const DualTriangle& triangle, Vec3 direction,
+                        double tolerance, ForwardScratch& scratch) {
+  const ShadowMap map(triangle.corner, direction);
+  if (!map.is_valid()) return false;
+  const Index seed = walk_to_probe(reference, triangle.nearest[0], map);
+  if (seed == kNoIndex) return false;
+  scratch.stamp.resize(reference.triangles.size(), 0);
+  if (++scratch.tick == 0) {
+    std::fill(scratch.stamp.begin(), scratch.stamp.end(), 0u);
+    scratch.tick = 1;
+  }
+  auto& queue = scratch.queue;
+  queue.assign(1, seed);
+  scratch.stamp[seed] = scratch.tick;
+  int degree = 0;
+  for (std::size_t head = 0; head < queue.size(); ++head) {
+    const auto s = shadows(reference, queue[head], map);
+    const auto is_within = [&](const Shadow& p) { return std::abs(p.height) <= tolerance; };
+    if (!(is_within(s[0]) && is_within(s[1]) && is_within(s[2])) && !overlay_is_within(s, tolerance)) {
+      return false;
+    }
+    degree += degree_at_probe(s);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!edge_meets(s[(k + 1) % 3], s[(k + 2) % 3])) continue;
+      const Index next = reference.triangles[queue[head]].across[k];
+      if (next == kNoIndex || queue.size() > kFloodLimit) return false;
+      if (scratch.stamp[next] == scratch.tick) continue;
+      scratch.stamp[next] = scratch.tick;
+      queue.push_back(next);
+    }
+  }
+  return degree >= 1;
+}
+
+bool certify_by_bisection(const Reference& reference, const std::array<Vec3, 3>& triangle, double tolerance,
+                          int depth, ForwardScratch& scratch) {
+  scratch.pool.clear();
+  Piece whole{triangle, {}, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!push_near(reference, triangle[k], tolerance, scratch, whole.list[k])) return false;
+  }
+  // Breadth first: a refutation is found on the coarsest level that shows it.
+  std::vector<Piece> level{whole}, next;
+  while (!level.empty()) {
+    next.clear();
+    for (const Piece& piece : level) {
+      if (share_a_triangle(scratch.pool, piece.list)) continue;
+      if (piece.depth == depth) return false;
+      const std::size_t k = longest_edge(piece.corner), a = (k + 1) % 3, b = (k + 2) % 3;
+      const Vec3 middle = (piece.corner[a] + piece.corner[b]) * 0.5;
+      std::uint32_t list = 0;
+      if (!push_near(reference, middle, tolerance, scratch, list)) return false;
+      for (const std::size_t replaced : {a, b}) {
+        Piece half = piece;
+        half.corner[replaced] = middle;
+        half.list[replaced] = list;
+        ++half.depth;
+        next.push_back(half);
+      }
+    }
+    level.swap(next);
+  }
+  return true;
+}
+
+bool certify_forward(const Reference& reference, const DualTriangle& triangle, double tolerance,
+                     ForwardScratch& scratch) {
+  const auto& near = triangle.nearest;
+  const Vec3 mean =
+      normalized(reference.normals[near[0]] + reference.normals[near[1]] + reference.normals[near[2]]);
+  const auto& c = triangle.corner;
+  const Vec3 own = normalized(cross(c[1] - c[0], c[2] - c[0]));
+  return certify_by_overlay(reference, triangle, mean, tolerance, scratch) ||
+         certify_by_overlay(reference, triangle, own, tolerance, scratch) ||
+         certify_by_bisection(reference, c, tolerance, kBisectionDepth, scratch);
+}
+
+}  // namespace periost

@@ -1,0 +1,251 @@
+#include "stages/decimate/certificate_reference.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "pipeline/base/error.h"
+
+namespace periost {
+namespace {
+
+// Spreads the low 21 bits so that two zero bits follow each.
+std::uint64_t spread(std::uint64_t x) {
+  x &= 0x1FFFFF;
+  x = (x | x << 32) & 0x1F00000000FFFFULL;
+  x = (x | x << 16) & 0x1F0000FF0000FFULL;
+  x = (x | x << 8) & 0x100F00F00F00F00FULL;
+  x = (x | x << 4) & 0x10C30C30C30C30C3ULL;
+  return (x | x << 2) & 0x1249249249249249ULL;
+}
+
+std::uint64_t morton(std::int32_t i, std::int32_t j, std::int32_t k) {
+  return spread(static_cast<std::uint32_t>(i)) | spread(static_cast<std::uint32_t>(j)) << 1 |
+         spread(static_cast<std::uint32_t>(k)) << 2;
+}
+
+std::array<std::int32_t, 3> cell_of(Vec3 index) {
+  return {static_cast<std::int32_t>(std::floor(index.x)), static_cast<std::int32_t>(std::floor(index.y)),
+          static_cast<std::int32_t>(std::floor(index.z))};
+}
+
+// Squared distance from p to the segment a b.
+double squared_distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 e = b - a;
+  const double length = squared_norm(e);
+  const double t = length > 0 ? std::clamp(dot(p - a, e) / length, 0.0, 1.0) : 0.0;
+  return squared_norm(p - a - e * t);
+}
+
+std::vector<Index> sorted_by(const std::vector<std::uint64_t>& codes) {
+  std::vector<Index> order(codes.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return codes[a] != codes[b] ? codes[a] < codes[b] : a < b;
+  });
+  return order;
+}
+
+}  // namespace
+
+double squared_distance(Vec3 p, const std::array<Vec3, 3>& t) {
+  const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0], d = p - t[0];
+  const Vec3 n = cross(e1, e2);
+  const double nn = squared_norm(n);
+  const double u = dot(cross(d, e2), n), v = dot(cross(e1, d), n);
+  if (nn > 0 && u >= 0 && v >= 0 && u + v <= nn) {
+    const double h = dot(d, n);
+    return h * h / nn;
+  }
+  return std::min({squared_distance_to_segment(p, t[0], t[1]), squared_distance_to_segment(p, t[1], t[2]),
+                   squared_distance_to_segment(p, t[2], t[0])});
+}
+
+void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count) {
+  struct HalfEdge {
+    Index to, triangle;
+    std::uint8_t slot;
+  };
+  std::vector<Index> first(point_count + 1, 0);
+  for (const auto& t : triangles) {
+    for (const Index corner : t.corner) ++first[corner + 1];
+  }
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<HalfEdge> out(first.back());
+  auto fill = first;
+  for (Index t = 0; t < triangles.size(); ++t) {
+    for (std::uint8_t k = 0; k < 3; ++k) {  // the half-edge opposite to corner k
+      const auto& c = triangles[t].corner;
+      out[fill[c[(k + 1) % 3]]++] = {c[(k + 2) % 3], t, k};
+    }
+  }
+  const auto find = [&](Index from, Index to) {
+    const HalfEdge* found = nullptr;
+    for (Index e = first[from]; e < first[from + 1]; ++e) {
+      if (out[e].to != to) continue;
+      if (found) {
+        throw Error(ErrorKind::kQuality, "decimate.not_manifold",
+                    "the surface to decimate is not an oriented manifold: an edge has more than two triangles");
+      }
+      found = &out[e];
+    }
+    return found;
+  };
+  for (auto& t : triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      find(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
+      const HalfEdge* twin = find(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3]);
+      t.across[k] = twin ? twin->triangle : kNoIndex;
+    }
+  }
+}
+
+Reference::Reference(const Isosurface& isosurface)
+    : voxel_mm(isosurface.frame.largest_spacing()), frame_(isosurface.frame) {
+  renumber(isosurface.surface);
+  link();
+}
+
+void Reference::renumber(const SurfaceMesh& surface) {
+  const std::size_t count = surface.triangles.size();
+  std::vector<std::array<std::int32_t, 3>> cell(count);
+  std::array<std::int32_t, 3> lo, hi;
+  lo.fill(std::numeric_limits<std::int32_t>::max());
+  hi.fill(std::numeric_limits<std::int32_t>::min());
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto& c = surface.triangles[t];
+    std::array<Vec3, 3> q;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = frame_.to_index(surface.points[c[k]]);
+    cell[t] = cell_of((q[0] + q[1] + q[2]) / 3);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], cell[t][axis]);
+      hi[axis] = std::max(hi[axis], cell[t][axis]);
+      for (const Vec3& corner : q) {
+        overhang_[axis] = std::max({overhang_[axis], cell[t][axis] - corner[axis],
+                                    corner[axis] - cell[t][axis] - 1});
+      }
+    }
+  }
+  if (count == 0) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first_cell_[axis] = lo[axis];
+    block_count_[axis] = (hi[axis] - lo[axis]) / kSide + 1;
+    overhang_[axis] += 1e-9;
+  }
+  std::vector<std::uint64_t> codes(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    codes[t] = morton(cell[t][0] - lo[0], cell[t][1] - lo[1], cell[t][2] - lo[2]);
+  }
+  const auto order = sorted_by(codes);
+  // Vertices in the order in which the triangles meet them.
+  std::vector<Index> number(surface.points.size(), kNoIndex);
+  triangles.reserve(count);
+  points.reserve(surface.points.size());
+  std::vector<std::uint64_t> sorted_codes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    sorted_codes[i] = codes[order[i]];
+    LinkedTriangle triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index vertex = surface.triangles[order[i]][k];
+      if (number[vertex] == kNoIndex) {
+        number[vertex] = static_cast<Index>(points.size());
+        points.push_back(surface.points[vertex]);
+      }
+      triangle.corner[k] = number[vertex];
+    }
+    triangles.push_back(triangle);
+  }
+  build_blocks(sorted_codes);
+}
+
+void Reference::build_blocks(const std::vector<std::uint64_t>& codes) {
+  directory_.assign(static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1]) *
+                        static_cast<std::size_t>(block_count_[2]),
+                    kNoIndex);
+  const auto unspread = [](std::uint64_t x) {
+    std::uint64_t value = 0;
+    for (int bit = 0; bit < 21; ++bit) value |= (x >> (3 * bit) & 1) << bit;
+    return value;
+  };
+  const Index count = static_cast<Index>(codes.size());
+  for (Index t = 0; t < count;) {
+    const std::uint64_t block_code = codes[t] / kCells;
+    const std::uint64_t i = unspread(block_code), j = unspread(block_code >> 1), k = unspread(block_code >> 2);
+    const std::size_t place = i + static_cast<std::size_t>(block_count_[0]) *
+                                      (j + static_cast<std::size_t>(block_count_[1]) * k);
+    directory_[place] = static_cast<std::uint32_t>(block_.size());
+    auto& first = block_.emplace_back();
+    for (std::uint64_t cell = 0; cell < kCells; ++cell) {
+      first[cell] = t;
+      while (t < count && codes[t] == block_code * kCells + cell) ++t;
+    }
+    first[kCells] = t;
+  }
+}
+
+void Reference::link() {
+  link_triangles(triangles, points.size());
+  normals.resize(triangles.size());
+  for (Index t = 0; t < triangles.size(); ++t) {
+    const auto c = corners(t);
+    normals[t] = normalized(cross(c[1] - c[0], c[2] - c[0]));
+  }
+}
+
+Reference::CellRange Reference::cells_around(Vec3 point, double radius) const {
+  const Vec3 q = frame_.to_index(point);
+  CellRange range{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double reach = radius / frame_.spacing[axis] + overhang_[axis];
+    const double last = block_count_[axis] * kSide - 1;
+    const double lo = std::floor(q[axis] - reach) - first_cell_[axis];
+    const double hi = std::floor(q[axis] + reach) - first_cell_[axis];
+    range.lo[axis] = static_cast<std::int32_t>(std::clamp(lo, 0.0, last + 1));
+    range.hi[axis] = static_cast<std::int32_t>(std::clamp(hi, -1.0, last));
+  }
+  return range;
+}
+
+template <class Visit>
+void Reference::visit_cells(const CellRange& range, Visit&& visit) const {
+  for (std::int32_t k = range.lo[2]; k <= range.hi[2]; ++k) {
+    for (std::int32_t j = range.lo[1]; j <= range.hi[1]; ++j) {
+      for (std::int32_t i = range.lo[0]; i <= range.hi[0]; ++i) {
+        const std::size_t place =
+            static_cast<std::size_t>(i / kSide) +
+            static_cast<std::size_t>(block_count_[0]) *
+                (static_cast<std::size_t>(j / kSide) +
+                 static_cast<std::size_t>(block_count_[1]) * static_cast<std::size_t>(k / kSide));
+        const std::uint32_t block = directory_[place];
+        if (block == kNoIndex) continue;
+        const std::uint64_t cell = morton(i % kSide, j % kSide, k % kSide);
+        for (Index t = block_[block][cell]; t < block_[block][cell + 1]; ++t) visit(t);
+      }
+    }
+  }
+}
+
+Reference::Nearest Reference::nearest(Vec3 point, double radius, Vec3 facing) const {
+  Nearest best{kNoIndex, radius * radius};
+  visit_cells(cells_around(point, radius), [&](Index t) {
+    if (dot(normals[t], facing) <= 0) return;
+    const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
+    if (height * height > best.squared_distance) return;
+    const double d = squared_distance(point, corners(t));
+    if (d < best.squared_distance || (d == best.squared_distance && t < best.triangle)) best = {t, d};
+  });
+  return best;
+}
+
+void Reference::within(Vec3 point, double radius, std::vector<Index>& found) const {
+  found.clear();
+  const double limit = radius * radius;
+  visit_cells(cells_around(point, radius), [&](Index t) {
+    const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
+    if (height * height <= limit * (1 + 1e-12) && squared_distance(point, corners(t)) <= limit) {
+      found.push_back(t);
+    }
+  });
+}
+
+}  // namespace periost

@@ -1,0 +1,203 @@
+#include "stages/decimate/certified_guard.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace periost {
+namespace {
+
+constexpr double kSlack = 1e-9;  // sums of deficits that differ by rounding count as equal
+
+// The mesh before a proposal, in the form that the sums of deficits are taken over.
+struct BeforeView {
+  const CertifiedMesh& mesh;
+  const LinkedTriangle& cell(Index t) const { return mesh.triangles[t]; }
+  Vec3 point(Index v) const { return mesh.points[v]; }
+  int valence(Index v) const { return mesh.valence[v]; }
+};
+
+// The mesh as it would be after it.
+struct AfterView {
+  const CertifiedMesh& mesh;
+  const Proposal& proposal;
+  const LinkedTriangle& cell(Index t) const { return proposal.cell_of(mesh, t); }
+  Vec3 point(Index v) const { return proposal.point_of(mesh, v); }
+  int valence(Index v) const { return proposal.valence_of(mesh, v); }
+};
+
+template <class View>
+std::array<Vec3, 3> corners_of(const View& view, const LinkedTriangle& t) {
+  return {view.point(t.corner[0]), view.point(t.corner[1]), view.point(t.corner[2])};
+}
+
+template <class View>
+Vec3 centre_of(const View& view, Index t) {
+  const auto c = corners_of(view, view.cell(t));
+  return (c[0] + c[1] + c[2]) / 3;
+}
+
+Vec3 normal_of(const std::array<Vec3, 3>& c) {
+  return normalized(cross(c[1] - c[0], c[2] - c[0]));
+}
+
+// How far the smallest angle falls short of the limit, radians. The smallest angle faces the shortest edge;
+// its cosine decides without a transcendental function where there is no deficit.
+double angle_deficit(const std::array<Vec3, 3>& c, double limit, double limit_cosine) {
+  const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
+  const double shortest = std::min({a, b, d});
+  const double product = shortest == a ? b * d : shortest == b ? a * d : a * b;
+  const double twice_cosine = (a + b + d - 2 * shortest) / std::sqrt(product);
+  if (twice_cosine <= 2 * limit_cosine) return 0;
+  if (!(product > 0)) return limit;
+  return limit - std::acos(std::min(1.0, twice_cosine / 2));
+}
+
+// Sum over the half-edges of one triangle of the excess of |D| over the limit.
+template <class View>
+int topology_deficit(const View& view, Index t, int limit) {
+  const LinkedTriangle& cell = view.cell(t);
+  int sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (cell.across[k] == kNoIndex) continue;
+    const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
+    const LinkedTriangle& other = view.cell(cell.across[k]);
+    const Index opposite = other.corner[3 - other.slot_of(u) - other.slot_of(v)];
+    const int d = view.valence(u) + view.valence(v) - view.valence(cell.corner[k]) - view.valence(opposite);
+    sum += std::max(0, std::abs(d) - limit);
+  }
+  return sum;
+}
+
+template <class View>
+double barycentric_deficit(const View& view, Index t, double limit) {
+  const LinkedTriangle& cell = view.cell(t);
+  for (const Index n : cell.across) {
+    if (n == kNoIndex) return 0;
+  }
+  return std::max(0.0, limit - smallest_barycentric(centre_of(view, t), centre_of(view, cell.across[0]),
+                                                    centre_of(view, cell.across[1]),
+                                                    centre_of(view, cell.across[2])));
+}
+
+// Excess of the dihedral over its limit, for the half-edges of one triangle.
+template <class View>
+double dihedral_deficit(const View& view, Index t, double limit) {
+  const LinkedTriangle& cell = view.cell(t);
+  const Vec3 n = normal_of(corners_of(view, cell));
+  double sum = 0;
+  for (const Index other : cell.across) {
+    if (other == kNoIndex) continue;
+    sum += std::max(0.0, limit - dot(n, normal_of(corners_of(view, view.cell(other)))));
+  }
+  return sum;
+}
+
+// Triangles that are not in the ring but whose edges' criteria change with the valences.
+void collect_valence_neighbours(const CertifiedMesh& mesh, const Proposal& proposal,
+                                FixedList<Index, 4 * kMaxStar>& found) {
+  Star star;
+  for (const auto& change : proposal.valence_changes) {
+    if (change.vertex == proposal.moved || !gather_star(mesh, change.vertex, star)) continue;
+    for (const Index t : star.triangle) {
+      if (!proposal.before.contains(t) && !found.contains(t)) found.push_back(t);
+    }
+  }
+}
+
+}  // namespace
+
+double min_angle(const std::array<Vec3, 3>& triangle) {
+  constexpr double kRight = 1.5707963267948966;
+  return kRight - angle_deficit(triangle, kRight, 0.0);
+}
+
+double smallest_barycentric(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 e1 = b - a, e2 = c - a, d = p - a;
+  const Vec3 n = cross(e1, e2);
+  const double nn = squared_norm(n);
+  if (!(nn > 0)) return 0;
+  const double u = dot(cross(d, e2), n) / nn, v = dot(cross(e1, d), n) / nn;
+  return std::min({u, v, 1 - u - v});
+}
+
+bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits) {
+  if (proposal.valence_changes.size() == 0) return true;
+  const BeforeView before{mesh};
+  const AfterView after{mesh, proposal};
+  int old_excess = 0, new_excess = 0;
+  const auto excess = [&](int valence) {
+    return std::max({0, valence - limits.max_valence, limits.min_valence - valence});
+  };
+  for (const auto& change : proposal.valence_changes) {
+    old_excess += excess(before.valence(change.vertex));
+    new_excess += excess(after.valence(change.vertex));
+  }
+  if (new_excess > old_excess) return false;
+  FixedList<Index, 4 * kMaxStar> neighbours;
+  collect_valence_neighbours(mesh, proposal, neighbours);
+  int old_sum = 0, new_sum = 0;
+  for (const Index t : proposal.before) old_sum += topology_deficit(before, t, limits.topology);
+  for (const Index t : proposal.after) new_sum += topology_deficit(after, t, limits.topology);
+  for (const Index t : neighbours) {
+    old_sum += topology_deficit(before, t, limits.topology);
+    new_sum += topology_deficit(after, t, limits.topology);
+  }
+  return new_sum <= old_sum;
+}
+
+bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
+                  double* gain) {
+  const double cosine = std::cos(limits.min_angle);
+  const BeforeView before{mesh};
+  const AfterView after{mesh, proposal};
+  double old_sum = 0, new_sum = 0;
+  for (const LinkedTriangle& cell : proposal.cells) {
+    new_sum += angle_deficit(corners_of(after, cell), limits.min_angle, cosine);
+  }
+  if (new_sum == 0 && !gain) return true;
+  for (const Index t : proposal.before) {
+    old_sum += angle_deficit(corners_of(before, mesh.triangles[t]), limits.min_angle, cosine);
+  }
+  if (gain) *gain = old_sum - new_sum;
+  return new_sum <= old_sum;
+}
+
+bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
+                const GuardLimits& limits) {
+  const BeforeView before{mesh};
+  const AfterView after{mesh, proposal};
+  for (std::size_t i = 0; i < proposal.after.size(); ++i) {
+    const LinkedTriangle& cell = proposal.cells[i];
+    const Vec3 n = normal_of(corners_of(after, cell));
+    Vec3 mean;
+    for (const Index v : cell.corner) mean += reference.normals[proposal.nearest_of(mesh, v)];
+    if (dot(n, normalized(mean)) > limits.fold_cosine) continue;
+    const Vec3 old = normal_of(corners_of(before, mesh.triangles[proposal.after[i]]));
+    if (dot(n, old) <= limits.fold_cosine) return false;
+  }
+  double old_sum = 0, new_sum = 0;
+  for (const Index t : proposal.after) new_sum += dihedral_deficit(after, t, limits.dihedral_cosine);
+  if (new_sum == 0) return true;
+  for (const Index t : proposal.before) old_sum += dihedral_deficit(before, t, limits.dihedral_cosine);
+  return new_sum <= old_sum + kSlack;
+}
+
+bool meets_barycentric(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits) {
+  const BeforeView before{mesh};
+  const AfterView after{mesh, proposal};
+  FixedList<Index, kMaxRing> rim;
+  for (const LinkedTriangle& cell : proposal.cells) {
+    for (const Index t : cell.across) {
+      if (t != kNoIndex && !rim.is_full() && !proposal.before.contains(t) && !rim.contains(t)) rim.push_back(t);
+    }
+  }
+  double old_sum = 0, new_sum = 0;
+  for (const Index t : proposal.after) new_sum += barycentric_deficit(after, t, limits.min_barycentric);
+  for (const Index t : rim) new_sum += barycentric_deficit(after, t, limits.min_barycentric);
+  if (new_sum == 0) return true;
+  for (const Index t : proposal.before) old_sum += barycentric_deficit(before, t, limits.min_barycentric);
+  for (const Index t : rim) old_sum += barycentric_deficit(before, t, limits.min_barycentric);
+  return new_sum <= old_sum + kSlack;
+}
+
+}  // namespace periost

@@ -1,0 +1,58 @@
+#pragma once
+// The local criteria that a proposal must meet before the costly certificates are tried: triangle angles,
+// topology, barycentric coordinates, fold, dihedral angles (Delingette 1997 section 4.1; Periost's algorithm
+// notes, section 4).
+//
+// Violations that were there before, as marching cubes makes them, are dealt with by one rule: the sum of
+// deficits over the triangles concerned, removed ones included, must not grow. Where there were none, none
+// may arise.
+#include "stages/decimate/certified_mesh.h"
+
+namespace periost {
+
+// Why a proposal was refused, by the criterion that refused first.
+enum class Refusal : std::uint8_t {
+  kNone,
+  kLink,
+  kTopology,
+  kBarycentric,
+  kAngle,
+  kFold,
+  kDistance,
+  kReverse,
+  kSelfIntersection,
+  kCount
+};
+
+struct GuardLimits {
+  double min_angle = 0.5235987755982988;  // of dual triangles, radians
+  double min_barycentric = 0.1;           // of simplex vertices among their neighbours
+  int topology = 3;                       // T: largest |D| of an edge
+  int min_valence = 3;
+  int max_valence = 9;
+  double fold_cosine = 0.4;        // least product of a new normal with the isosurface's or the old one
+  double dihedral_cosine = -0.94;  // least product of the normals over an edge: angles of 20 degrees and more
+};
+
+// Smallest angle of a triangle, radians; 0 when degenerate.
+double min_angle(const std::array<Vec3, 3>& triangle);
+
+// Valences and the topological criterion.
+bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits);
+
+// Angles of the dual triangles. `gain`, when given, receives the fall of the sum of deficits, radians.
+bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
+                  double* gain = nullptr);
+
+// Fold against the isosurface's normals, and dihedral angles inside and at the rim of the ring.
+bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
+                const GuardLimits& limits);
+
+// Barycentric coordinates of the simplex vertices (barycentres of the dual triangles) in the triangles of
+// their neighbours, in the ring and just around it.
+bool meets_barycentric(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits);
+
+// The smallest barycentric coordinate of the foot of p in the triangle a, b, c.
+double smallest_barycentric(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
+
+}  // namespace periost

@@ -1,0 +1,115 @@
+#pragma once
+// The working simplex mesh of the certified scheme, seen from its dual: one linked triangle per simplex
+// vertex, one stored dual vertex per simplex face. A move is described as a Proposal, which replaces a few
+// triangles; nothing changes until it is applied, so nothing is ever undone.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "stages/decimate/certificate_reference.h"
+
+namespace periost {
+
+struct CertifiedMesh {
+  std::vector<LinkedTriangle> triangles;  // simplex vertices; corner[0] == kNoIndex when removed
+  std::vector<Vec3> points;               // dual vertices: one per simplex face
+  std::vector<Index> nearest;             // of points: the isosurface triangle near it
+  std::vector<Index> incident;            // of points: one triangle, kNoIndex when removed
+  std::vector<std::uint8_t> valence;      // of points: simplex vertices of the face, 255 when more
+  std::vector<std::uint8_t> is_locked;    // of points: contours, small components, borders of a region
+  std::vector<std::uint32_t> version;     // of points: raised whenever a triangle at it changes
+};
+
+// The mesh that is the isosurface itself; distance 0 everywhere. Contour points are locked.
+CertifiedMesh make_certified_mesh(const Reference& reference);
+
+// A list of fixed capacity on the stack.
+template <class T, std::size_t Capacity>
+class FixedList {
+ public:
+  void clear() { size_ = 0; }
+  bool is_full() const { return size_ == Capacity; }
+  void push_back(const T& value) { items_[size_++] = value; }  // precondition: !is_full()
+  std::size_t size() const { return size_; }
+  T& operator[](std::size_t i) { return items_[i]; }
+  const T& operator[](std::size_t i) const { return items_[i]; }
+  const T* begin() const { return items_.data(); }
+  const T* end() const { return items_.data() + size_; }
+  bool contains(const T& value) const {
+    for (const T& item : *this) {
+      if (item == value) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::array<T, Capacity> items_;
+  std::size_t size_ = 0;
+};
+
+// Rings with more than this many triangles are left as they are; the criterion on valences (3..9) forbids
+// them among the results, and marching cubes makes none.
+inline constexpr std::size_t kMaxStar = 24;
+inline constexpr std::size_t kMaxRing = 2 * kMaxStar;
+
+// The triangles around a vertex, counter-clockwise, and the vertices of its link: triangle i has the corners
+// (v, link[i], link[i + 1]).
+struct Star {
+  FixedList<Index, kMaxStar> triangle;
+  FixedList<Index, kMaxStar> link;
+};
+// False at a contour, or when the star is too large.
+bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star);
+
+enum class MoveKind { kRemoval, kSwap, kRelocation };
+
+// A replacement of the triangles `before` by `after`, which keep some of the ids.
+struct Proposal {
+  MoveKind kind = MoveKind::kRelocation;
+  FixedList<Index, kMaxRing> before;          // ids of triangles
+  FixedList<Index, kMaxRing> after;           // ids, a subset of `before`
+  FixedList<LinkedTriangle, kMaxRing> cells;  // their records after the move
+  FixedList<Index, kMaxRing> rim;             // vertices that keep their place, each once
+  Index moved = kNoIndex;                     // the vertex that gets `place`, or none
+  Index removed = kNoIndex;                   // the vertex that vanishes, or none
+  Vec3 place;
+  Index place_nearest = kNoIndex;
+  struct ValenceChange {
+    Index vertex;
+    int by;
+  };
+  FixedList<ValenceChange, 4> valence_changes;
+
+  int valence_of(const CertifiedMesh& mesh, Index vertex) const {
+    for (const auto& change : valence_changes) {
+      if (change.vertex == vertex) return mesh.valence[vertex] + change.by;
+    }
+    return mesh.valence[vertex];
+  }
+  Vec3 point_of(const CertifiedMesh& mesh, Index vertex) const {
+    return vertex == moved ? place : mesh.points[vertex];
+  }
+  Index nearest_of(const CertifiedMesh& mesh, Index vertex) const {
+    return vertex == moved ? place_nearest : mesh.nearest[vertex];
+  }
+  // The record of a triangle after the move: its new one, or the mesh's.
+  const LinkedTriangle& cell_of(const CertifiedMesh& mesh, Index triangle) const {
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      if (after[i] == triangle) return cells[i];
+    }
+    return mesh.triangles[triangle];
+  }
+};
+
+// Each describes a move without its place; false when the result would not be a simplicial manifold (the
+// link condition), or when a vertex of it is locked or on a contour.
+// T1^2: the edge of triangle t opposite to corner k is contracted, in the dual; its two faces become one.
+bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
+// T7^2: that edge is flipped, in the dual.
+bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
+// One dual vertex moves; the topology stays.
+bool propose_relocation(const CertifiedMesh& mesh, Index vertex, Proposal& proposal);
+
+void apply(const Proposal& proposal, CertifiedMesh& mesh);
+
+}  // namespace periost

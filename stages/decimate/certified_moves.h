@@ -1,0 +1,68 @@
+#pragma once
+// The three moves of the certified scheme: T1^2 with the best place for the merged face's dual vertex, T7^2,
+// and the relocation of one dual vertex. Each passes every check before anything is changed.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "stages/decimate/certificate_forward.h"
+#include "stages/decimate/certificate_reverse.h"
+#include "stages/decimate/certified_guard.h"
+#include "stages/decimate/certified_place.h"
+#include "stages/decimate/certified_sheets.h"
+
+namespace periost {
+
+// Everything that moves read and change. Workers may run on it together as long as the rings they change,
+// and what lies around these, are apart.
+struct CertifiedState {
+  const Reference& reference;
+  CertifiedMesh mesh;
+  ReverseProofs proofs;
+  std::vector<Quadric> quadrics;           // of points
+  SheetGrid sheets;
+  GuardLimits limits;
+  double tolerance = 0;                    // mm, rounding already taken off
+  double reverse_tolerance = 0;            // mm, likewise; 0: no reverse certificate
+  std::vector<std::uint32_t> failed;       // of half-edges: signature of the neighbourhood that refused
+  std::vector<std::uint8_t> blocked_by;    // of points: the last Refusal there
+};
+
+struct MoveCounts {
+  std::uint64_t removals = 0, swaps = 0, relocations = 0;
+  std::array<std::uint64_t, static_cast<std::size_t>(Refusal::kCount)> refused{};
+
+  MoveCounts& operator+=(const MoveCounts& other);
+};
+
+// What one thread needs besides.
+struct Worker {
+  Proposal proposal;
+  ForwardScratch forward;
+  ReverseScratch reverse;
+  SheetScratch sheets;
+  std::vector<Index> around;
+  MoveCounts counts;
+  // Dual vertices may not leave this box of the image's index space: the region of a parallel pass.
+  Vec3 region_lo{-1e300, -1e300, -1e300}, region_hi{1e300, 1e300, 1e300};
+};
+
+// Contracts the dual edge of triangle `t` opposite to corner `k`. True when it was applied; the merged vertex
+// is then worker.proposal.moved.
+bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k);
+
+// Flips that edge. With `improve_angles` the sum of angle deficits must fall; otherwise the criterion is
+// D > 2, so that the sum of (valence - 6)^2 falls.
+bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, bool improve_angles);
+
+// Moves a dual vertex to `place` (mm). With `improve_angles` the sum of angle deficits must fall.
+bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 place, bool improve_angles);
+
+// D of the edge of triangle t opposite to corner k. Precondition: not on a contour.
+int topological_difference(const CertifiedMesh& mesh, Index t, std::size_t k);
+
+// The mean isosurface normal at the ends of an edge, and the cost of contracting it: the quadric at the best
+// place, plus a little of the length so that flat regions thin out evenly.
+double removal_cost(const CertifiedState& state, Index u, Index v);
+
+}  // namespace periost
