@@ -40,9 +40,8 @@ double squared_distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
 std::vector<Index> sorted_by(const std::vector<std::uint64_t>& codes) {
   std::vector<Index> order(codes.size());
   std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-    return codes[a] != codes[b] ? codes[a] < codes[b] : a < b;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return codes[a] != codes[b] ? codes[a] < codes[b] : a < b; });
   return order;
 }
 
@@ -84,8 +83,9 @@ void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_co
     for (Index e = first[from]; e < first[from + 1]; ++e) {
       if (out[e].to != to) continue;
       if (found) {
-        throw Error(ErrorKind::kQuality, "decimate.not_manifold",
-                    "the surface to decimate is not an oriented manifold: an edge has more than two triangles");
+        throw Error(
+            ErrorKind::kQuality, "decimate.not_manifold",
+            "the surface to decimate is not an oriented manifold: an edge has more than two triangles");
       }
       found = &out[e];
     }
@@ -121,8 +121,8 @@ void Reference::renumber(const SurfaceMesh& surface) {
       lo[axis] = std::min(lo[axis], cell[t][axis]);
       hi[axis] = std::max(hi[axis], cell[t][axis]);
       for (const Vec3& corner : q) {
-        overhang_[axis] = std::max({overhang_[axis], cell[t][axis] - corner[axis],
-                                    corner[axis] - cell[t][axis] - 1});
+        overhang_[axis] =
+            std::max({overhang_[axis], cell[t][axis] - corner[axis], corner[axis] - cell[t][axis] - 1});
       }
     }
   }
@@ -170,9 +170,10 @@ void Reference::build_blocks(const std::vector<std::uint64_t>& codes) {
   const Index count = static_cast<Index>(codes.size());
   for (Index t = 0; t < count;) {
     const std::uint64_t block_code = codes[t] / kCells;
-    const std::uint64_t i = unspread(block_code), j = unspread(block_code >> 1), k = unspread(block_code >> 2);
-    const std::size_t place = i + static_cast<std::size_t>(block_count_[0]) *
-                                      (j + static_cast<std::size_t>(block_count_[1]) * k);
+    const std::uint64_t i = unspread(block_code), j = unspread(block_code >> 1),
+                        k = unspread(block_code >> 2);
+    const std::size_t place =
+        i + static_cast<std::size_t>(block_count_[0]) * (j + static_cast<std::size_t>(block_count_[1]) * k);
     directory_[place] = static_cast<std::uint32_t>(block_.size());
     auto& first = block_.emplace_back();
     for (std::uint64_t cell = 0; cell < kCells; ++cell) {

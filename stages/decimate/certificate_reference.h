@@ -18,12 +18,8 @@ struct LinkedTriangle {
 
   bool is_alive() const { return corner[0] != kNoIndex; }
   // Position of a vertex among the corners. Precondition: it is one of them.
-  std::size_t slot_of(Index vertex) const {
-    return corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
-  }
-  bool has(Index vertex) const {
-    return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex;
-  }
+  std::size_t slot_of(Index vertex) const { return corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2; }
+  bool has(Index vertex) const { return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex; }
 };
 
 class Reference {

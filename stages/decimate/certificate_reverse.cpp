@@ -137,8 +137,8 @@ class Renewal {
       for (std::uint64_t others = used & ~(std::uint64_t{1} << home); others != 0; others &= others - 1) {
         const Index id = scratch_.targets[static_cast<std::size_t>(std::countr_zero(others))].id;
         const LinkedTriangle& other = proposal.cell_of(mesh, id);
-        all_touch = all_touch && (cell.has(other.corner[0]) || cell.has(other.corner[1]) ||
-                                  cell.has(other.corner[2]));
+        all_touch = all_touch &&
+                    (cell.has(other.corner[0]) || cell.has(other.corner[1]) || cell.has(other.corner[2]));
         proof.label[count++] = id;
       }
       if (all_touch) return true;

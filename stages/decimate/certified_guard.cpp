@@ -74,9 +74,9 @@ double barycentric_deficit(const View& view, Index t, double limit) {
   for (const Index n : cell.across) {
     if (n == kNoIndex) return 0;
   }
-  return std::max(0.0, limit - smallest_barycentric(centre_of(view, t), centre_of(view, cell.across[0]),
-                                                    centre_of(view, cell.across[1]),
-                                                    centre_of(view, cell.across[2])));
+  return std::max(
+      0.0, limit - smallest_barycentric(centre_of(view, t), centre_of(view, cell.across[0]),
+                                        centre_of(view, cell.across[1]), centre_of(view, cell.across[2])));
 }
 
 // Excess of the dihedral over its limit, for the half-edges of one triangle.
@@ -188,7 +188,8 @@ bool meets_barycentric(const CertifiedMesh& mesh, const Proposal& proposal, cons
   FixedList<Index, kMaxRing> rim;
   for (const LinkedTriangle& cell : proposal.cells) {
     for (const Index t : cell.across) {
-      if (t != kNoIndex && !rim.is_full() && !proposal.before.contains(t) && !rim.contains(t)) rim.push_back(t);
+      if (t != kNoIndex && !rim.is_full() && !proposal.before.contains(t) && !rim.contains(t))
+        rim.push_back(t);
     }
   }
   double old_sum = 0, new_sum = 0;

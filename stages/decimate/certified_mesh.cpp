@@ -33,9 +33,9 @@ void set_fan(const CertifiedMesh& mesh, Index apex, const FixedList<Index, kMaxR
     const Index a = proposal.rim[i], b = proposal.rim[(i + 1) % count];
     const LinkedTriangle& old = mesh.triangles[id];
     proposal.after.push_back(id);
-    proposal.cells.push_back({{apex, a, b},
-                              {old.across[old.slot_of(old_apex[i])], fan[(i + 1) % count],
-                               fan[(i + count - 1) % count]}});
+    proposal.cells.push_back(
+        {{apex, a, b},
+         {old.across[old.slot_of(old_apex[i])], fan[(i + 1) % count], fan[(i + count - 1) % count]}});
   }
 }
 
@@ -144,7 +144,8 @@ bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Prop
   const LinkedTriangle& second = mesh.triangles[other];
   const std::size_t slot_u = second.slot_of(u), slot_v = second.slot_of(v);
   const Index b = second.corner[3 - slot_u - slot_v];
-  if (a == b || mesh.is_locked[u] || mesh.is_locked[v] || mesh.is_locked[a] || mesh.is_locked[b]) return false;
+  if (a == b || mesh.is_locked[u] || mesh.is_locked[v] || mesh.is_locked[a] || mesh.is_locked[b])
+    return false;
   Star star;
   if (!gather_star(mesh, a, star) || star.link.contains(b)) return false;
   for (const Index t : {triangle, other}) {
@@ -190,7 +191,8 @@ void apply(const Proposal& proposal, CertifiedMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (proposal.before.contains(cell.across[k])) continue;
       LinkedTriangle& outer = mesh.triangles[cell.across[k]];
-      const std::size_t p = outer.slot_of(cell.corner[(k + 1) % 3]), q = outer.slot_of(cell.corner[(k + 2) % 3]);
+      const std::size_t p = outer.slot_of(cell.corner[(k + 1) % 3]),
+                        q = outer.slot_of(cell.corner[(k + 2) % 3]);
       outer.across[3 - p - q] = proposal.after[i];
     }
   }

@@ -160,8 +160,8 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   const std::uint32_t signature = signature_of(state.mesh, proposal);
   const Index other = cell.across[k];
   const LinkedTriangle& twin = state.mesh.triangles[other];
-  const std::size_t slot = t < other ? 3 * std::size_t{t} + k
-                                     : 3 * std::size_t{other} + 3 - twin.slot_of(u) - twin.slot_of(v);
+  const std::size_t slot =
+      t < other ? 3 * std::size_t{t} + k : 3 * std::size_t{other} + 3 - twin.slot_of(u) - twin.slot_of(v);
   if (state.failed[slot] == signature) return false;
   const Vec3 normal = edge_normal(state, u, v);
   Refusal refusal = meets_topology(state.mesh, proposal, state.limits) ? Refusal::kNone : Refusal::kTopology;
@@ -184,7 +184,8 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   const Index u = cell.corner[(k + 1) % 3];
   if (!propose_swap(state.mesh, t, k, proposal)) return refuse(state, worker, Refusal::kLink, u);
   double gain = 0;
-  Refusal refusal = meets_angles(state.mesh, proposal, state.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
+  Refusal refusal =
+      meets_angles(state.mesh, proposal, state.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
   if (improve_angles && gain < kGainSlack) return false;
   if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits)) {
     refusal = Refusal::kTopology;
@@ -203,7 +204,8 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
   double gain = 0;
   if (!meets_angles(state.mesh, proposal, state.limits, &gain)) return false;
   if (improve_angles && gain < kGainSlack) return false;
-  if (check(state, worker, state.reference.normals[state.mesh.nearest[vertex]]) != Refusal::kNone) return false;
+  if (check(state, worker, state.reference.normals[state.mesh.nearest[vertex]]) != Refusal::kNone)
+    return false;
   commit(state, worker);
   ++worker.counts.relocations;
   return true;

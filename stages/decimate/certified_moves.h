@@ -19,13 +19,13 @@ struct CertifiedState {
   const Reference& reference;
   CertifiedMesh mesh;
   ReverseProofs proofs;
-  std::vector<Quadric> quadrics;           // of points
+  std::vector<Quadric> quadrics;  // of points
   SheetGrid sheets;
   GuardLimits limits;
-  double tolerance = 0;                    // mm, rounding already taken off
-  double reverse_tolerance = 0;            // mm, likewise; 0: no reverse certificate
-  std::vector<std::uint32_t> failed;       // of half-edges: signature of the neighbourhood that refused
-  std::vector<std::uint8_t> blocked_by;    // of points: the last Refusal there
+  double tolerance = 0;                  // mm, rounding already taken off
+  double reverse_tolerance = 0;          // mm, likewise; 0: no reverse certificate
+  std::vector<std::uint32_t> failed;     // of half-edges: signature of the neighbourhood that refused
+  std::vector<std::uint8_t> blocked_by;  // of points: the last Refusal there
 };
 
 struct MoveCounts {

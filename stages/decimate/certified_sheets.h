@@ -45,8 +45,8 @@ class SheetGrid {
     for (std::int32_t k = range.lo[2]; k <= range.hi[2]; ++k) {
       for (std::int32_t j = range.lo[1]; j <= range.hi[1]; ++j) {
         for (std::int32_t i = range.lo[0]; i <= range.hi[0]; ++i) {
-          const std::size_t row = static_cast<std::size_t>(j) +
-                                  static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(k);
+          const std::size_t row =
+              static_cast<std::size_t>(j) + static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(k);
           if (!visit(cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(count_[0]) * row])) {
             return false;
           }

@@ -1,0 +1,46 @@
+#pragma once
+// The certified scheme of decimation: the simplex mesh, operators and criteria of the paper, with the
+// distance between the output triangulation and the isosurface proved in both directions.
+//
+// Every simplex face stores its dual vertex, a vertex of the output triangulation. They start at the vertices
+// of marching cubes, where the output is the isosurface itself and both distances are 0. Every move (an edge
+// removal T1^2 with the best place for the merged face's dual vertex, a swap T7^2, the relocation of one dual
+// vertex) replaces the triangles of one ring, and passes every check before anything is changed:
+//   link condition, valences 3..9 and |D| <= T, angles of the dual triangles, barycentric coordinates, fold
+//   and dihedral angles (certified_guard.h); forward and reverse certificate; no intersection with what stays
+//   (certified_sheets.h).
+//
+// Why the two-sided distance holds. Invariant F: each output triangle lies within the tolerance of the
+// isosurface. It holds at the start; a move brings in only triangles that the forward certificate proves
+// (certificate_forward.h) and leaves the others as they are. Invariant R: each isosurface triangle lies
+// within the tolerance of the union of its home and labels. It holds at the start, each triangle being its
+// own home; a proof is hurt only by a move that changes its home or a label, such a move renews it or is
+// refused (certificate_reverse.h). By induction both hold at the end: the Hausdorff distance between output
+// and isosurface is at most the tolerance. Coordinates are double and 1e-4 of the tolerance is kept for
+// rounding. With `reverse: none` only F is kept; with 2, R holds for twice the tolerance. Components dropped
+// on request are left out of R.
+//
+// Why the topology stays. Removals meet the link condition and swaps never double an edge, so each component
+// stays a manifold of the same Euler number. Self-intersections are kept out move by move with exact
+// predicates, and looked for once more at the end.
+//
+// Angles under the limit, which marching cubes makes in numbers, may stay where nothing better was found:
+// the sum of deficits never grows. Contours of an open isosurface, and components of fewer than
+// `small_triangles` triangles, are kept as they are.
+#include "pipeline/base/context.h"
+#include "pipeline/data/isosurface.h"
+#include "pipeline/data/simplex_mesh.h"
+#include "stages/decimate/decimate.h"
+
+namespace periost {
+
+// Decimates until no move is possible. face_fields: "blocked_by", the number of the criterion that refused
+// the last removal at that vertex (0 none, 1 link, 2 topology, 3 barycentric, 4 angle, 5 fold, 6 distance,
+// 7 reverse, 8 self-intersection). Deterministic, whatever context.threads.
+// Precondition: marching_cubes' guarantees on `isosurface`. Throws Error{kQuality,
+// "decimate.self_intersection"} if the result intersects itself though the isosurface does not; {kUsage,
+// "decimate.no_voxel"}; {kInterrupted}. Some 400 bytes an isosurface triangle.
+SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptions& options,
+                               Context& context);
+
+}  // namespace periost

@@ -1,0 +1,277 @@
+#include "stages/decimate/certified_passes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace periost {
+namespace {
+
+constexpr double kRelocationStrength = 0.3;
+constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
+constexpr int kSwapRounds = 4;        // around one removal
+
+struct Candidate {
+  double cost;
+  Index u, v;  // u < v
+};
+
+// Orders a heap with the cheapest on top; ties by number, so that the order is one and the same everywhere.
+bool is_later(const Candidate& a, const Candidate& b) {
+  if (a.cost != b.cost) return a.cost > b.cost;
+  return a.u != b.u ? a.u > b.u : a.v > b.v;
+}
+
+bool is_alive(const CertifiedMesh& mesh, Index v) {
+  return mesh.incident[v] != kNoIndex;
+}
+
+// The queue of one range.
+class RemovalQueue {
+ public:
+  RemovalQueue(const CertifiedState& state, VertexRange range, double limit)
+      : state_(state), range_(range), limit_(limit) {
+    for (Index u = range.first; u < range.second; ++u) {
+      if (is_alive(state.mesh, u) && !state.mesh.is_locked[u]) add_edges_of(u, true);
+    }
+    std::make_heap(heap_.begin(), heap_.end(), is_later);
+  }
+
+  void push_edges_of(Index u) { add_edges_of(u, false); }
+
+  // The cheapest edge that still is what it was when it was entered; false when none is left.
+  bool pop(Candidate& candidate, Star& star, std::size_t& spoke) {
+    while (!heap_.empty()) {
+      std::pop_heap(heap_.begin(), heap_.end(), is_later);
+      candidate = heap_.back();
+      heap_.pop_back();
+      if (!is_alive(state_.mesh, candidate.u) || !is_alive(state_.mesh, candidate.v)) continue;
+      if (!gather_star(state_.mesh, candidate.u, star)) continue;
+      for (spoke = 0; spoke < star.link.size() && star.link[spoke] != candidate.v; ++spoke) {
+      }
+      if (spoke < star.link.size() && removal_cost(state_, candidate.u, candidate.v) == candidate.cost) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  void add_edges_of(Index u, bool only_smaller_end) {
+    if (!gather_star(state_.mesh, u, star_)) return;
+    for (const Index v : star_.link) {
+      const Index lower = std::min(u, v), upper = std::max(u, v);
+      if ((only_smaller_end && v < u) || lower < range_.first || lower >= range_.second) continue;
+      if (state_.mesh.is_locked[v]) continue;
+      const double cost = removal_cost(state_, lower, upper);
+      if (cost > limit_) continue;
+      heap_.push_back({cost, lower, upper});
+      if (!only_smaller_end) std::push_heap(heap_.begin(), heap_.end(), is_later);
+    }
+  }
+
+  const CertifiedState& state_;
+  VertexRange range_;
+  double limit_;
+  std::vector<Candidate> heap_;
+  Star star_;
+};
+
+// The edge from a star's centre to link[spoke], as the triangle and the corner opposite to it.
+std::size_t slot_opposite(const CertifiedMesh& mesh, const Star& star, std::size_t spoke) {
+  const LinkedTriangle& triangle = mesh.triangles[star.triangle[spoke]];
+  return triangle.slot_of(star.link[(spoke + 1) % star.link.size()]);
+}
+
+// Swaps one edge with D > 2 among those of the star's triangles.
+bool swap_one(CertifiedState& state, Worker& worker, const Star& star) {
+  for (const Index t : star.triangle) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (state.mesh.triangles[t].across[k] == kNoIndex || topological_difference(state.mesh, t, k) <= 2) {
+        continue;
+      }
+      if (try_swap(state, worker, t, k, false)) return true;
+    }
+  }
+  return false;
+}
+
+Vec3 link_centroid(const CertifiedMesh& mesh, const Star& star) {
+  Vec3 sum;
+  for (const Index v : star.link) sum += mesh.points[v];
+  return sum / static_cast<double>(star.link.size());
+}
+
+// Area-weighted normal of a star.
+Vec3 star_normal(const CertifiedMesh& mesh, const Star& star, Index centre) {
+  Vec3 sum;
+  const std::size_t count = star.link.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += cross(mesh.points[star.link[i]] - mesh.points[centre],
+                 mesh.points[star.link[(i + 1) % count]] - mesh.points[centre]);
+  }
+  return normalized(sum);
+}
+
+// Places worth trying for a vertex of a bad triangle: the surface's best ones, and steps towards the height
+// that makes the angle.
+void angle_places(const CertifiedState& state, Index vertex, const Star& star, std::vector<Vec3>& places) {
+  const Vec3 origin = state.reference.points[0], here = state.mesh.points[vertex];
+  const Vec3 middle = link_centroid(state.mesh, star);
+  const Vec3 normal = star_normal(state.mesh, star, vertex);
+  places.clear();
+  for (const double strength : {0.3, 3.0}) {
+    places.push_back(origin + best_place(state.quadrics[vertex], middle - origin, normal, strength));
+  }
+  const Vec3 along = middle - here - normal * dot(middle - here, normal);
+  for (const double step : {0.25, 0.5, 1.0}) places.push_back(here + along * step);
+  for (const Index v : star.link) places.push_back(here + (state.mesh.points[v] - here) * 0.2);
+}
+
+bool mend_triangle(CertifiedState& state, Worker& worker, Index t) {
+  const auto corner = state.mesh.triangles[t].corner;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (try_swap(state, worker, t, k, true)) return true;
+  }
+  std::size_t shortest = 0;
+  double length = std::numeric_limits<double>::max();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double l =
+        squared_norm(state.mesh.points[corner[(k + 1) % 3]] - state.mesh.points[corner[(k + 2) % 3]]);
+    if (l < length) {
+      length = l;
+      shortest = k;
+    }
+  }
+  for (const std::size_t k : {shortest, (shortest + 1) % 3, (shortest + 2) % 3}) {
+    if (try_removal(state, worker, t, k)) return true;
+  }
+  Star star;
+  std::vector<Vec3> places;
+  for (const Index v : corner) {
+    if (!gather_star(state.mesh, v, star)) continue;
+    angle_places(state, v, star, places);
+    for (const Vec3& place : places) {
+      if (try_relocation(state, worker, v, place, true)) return true;
+    }
+  }
+  return false;
+}
+
+bool has_bad_angle(const CertifiedState& state, Index t) {
+  const auto& c = state.mesh.triangles[t].corner;
+  return min_angle({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) <
+         state.limits.min_angle;
+}
+
+}  // namespace
+
+std::vector<VertexRange> vertex_ranges(const CertifiedMesh& mesh, std::size_t alive) {
+  std::vector<VertexRange> ranges;
+  const Index count = static_cast<Index>(mesh.points.size());
+  Index first = 0;
+  std::size_t living = 0;
+  for (Index v = 0; v < count; ++v) {
+    if (!is_alive(mesh, v)) continue;
+    if (++living < alive) continue;
+    ranges.emplace_back(first, v + 1);
+    first = v + 1;
+    living = 0;
+  }
+  if (first < count) ranges.emplace_back(first, count);
+  return ranges;
+}
+
+double median_removal_cost(const CertifiedState& state) {
+  constexpr Index kStride = 7;
+  std::vector<double> costs;
+  Star star;
+  Index seen = 0;
+  for (Index u = 0; u < state.mesh.points.size(); ++u) {
+    if (!is_alive(state.mesh, u) || state.mesh.is_locked[u] || seen++ % kStride != 0) continue;
+    if (!gather_star(state.mesh, u, star)) continue;
+    for (const Index v : star.link) costs.push_back(removal_cost(state, std::min(u, v), std::max(u, v)));
+  }
+  if (costs.empty()) return 0;
+  const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
+  std::nth_element(costs.begin(), middle, costs.end());
+  return *middle;
+}
+
+void removal_pass(CertifiedState& state, Worker& worker, VertexRange range, double limit) {
+  RemovalQueue queue(state, range, limit);
+  Candidate candidate{};
+  Star star;
+  std::size_t spoke = 0;
+  while (queue.pop(candidate, star, spoke)) {
+    if (!try_removal(state, worker, star.triangle[spoke], slot_opposite(state.mesh, star, spoke))) continue;
+    const Index merged = worker.proposal.moved;
+    for (int round = 0; round < kSwapRounds && gather_star(state.mesh, merged, star); ++round) {
+      if (!swap_one(state, worker, star)) break;
+    }
+    queue.push_edges_of(merged);
+  }
+}
+
+void swap_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+  Star star;
+  for (Index v = range.first; v < range.second; ++v) {
+    if (is_alive(state.mesh, v) && !state.mesh.is_locked[v] && gather_star(state.mesh, v, star)) {
+      swap_one(state, worker, star);
+    }
+  }
+}
+
+void relocation_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+  const Vec3 origin = state.reference.points[0];
+  Star star;
+  for (Index v = range.first; v < range.second; ++v) {
+    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+    const Vec3 normal = star_normal(state.mesh, star, v);
+    const Vec3 middle = link_centroid(state.mesh, star) - origin;
+    const Quadric& quadric = state.quadrics[v];
+    const Vec3 place = best_place(quadric, middle, normal, kRelocationStrength);
+    const auto energy = [&](Vec3 x) {
+      const Vec3 d = x - middle;
+      return std::max(0.0, quadric.at(x)) +
+             kRelocationStrength * quadric.trace() * (squared_norm(d) - dot(d, normal) * dot(d, normal));
+    };
+    if (energy(place) >= kEnergyFall * energy(state.mesh.points[v] - origin)) continue;
+    try_relocation(state, worker, v, origin + place, false);
+  }
+}
+
+void angle_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+  Star star;
+  for (Index v = range.first; v < range.second; ++v) {
+    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+    for (const Index t : star.triangle) {
+      if (has_bad_angle(state, t) && mend_triangle(state, worker, t)) break;
+    }
+  }
+}
+
+void fit_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+  if (state.reverse_tolerance <= 0) return;
+  Star star;
+  for (Index v = range.first; v < range.second; ++v) {
+    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+    const Vec3 normal = star_normal(state.mesh, star, v);
+    double offset = 0, weight = 0;
+    for (const Index t : star.triangle) {
+      const auto& c = state.mesh.triangles[t].corner;
+      const Vec3 a = state.mesh.points[c[0]];
+      const Vec3 n = normalized(cross(state.mesh.points[c[1]] - a, state.mesh.points[c[2]] - a));
+      for (Index s = state.proofs.first[t]; s != kNoIndex; s = state.proofs.next[s]) {
+        const auto p = state.reference.corners(s);
+        const double area = norm(cross(p[1] - p[0], p[2] - p[0]));
+        offset += area * dot((p[0] + p[1] + p[2]) / 3 - a, n);
+        weight += area;
+      }
+    }
+    if (weight > 0 && std::abs(offset) > 1e-3 * weight * state.tolerance) {
+      try_relocation(state, worker, v, state.mesh.points[v] + normal * (0.5 * offset / weight), false);
+    }
+  }
+}
+
+}  // namespace periost
