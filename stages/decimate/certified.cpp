@@ -1,5 +1,6 @@
 #include "stages/decimate/certified.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 
