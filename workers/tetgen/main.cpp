@@ -129,18 +129,20 @@ bool read_number(const char* text, double& value) {
   return end != text && *end == '\0' && std::isfinite(value) && value >= 0;
 }
 
-int run_from_files(const std::string& in, const std::string& out, Request& request) {
+[[noreturn]] void run_from_files(const std::string& in, const std::string& out, Request& request) {
   const std::string fault = periost_tetgen::read_text_file(in, request);
-  if (!fault.empty()) return usage_error(fault);
+  if (!fault.empty()) std::exit(usage_error(fault));
   limit_resources(request.header);
   const Reply reply = guarded_mesh(request);
-  std::fflush(stdout);
+  int code = static_cast<int>(reply.status);
   if (reply.status != Status::kDone) {
     std::fprintf(stderr, "periost-tetgen: %s\n", reply.message.c_str());
-    return static_cast<int>(reply.status);
+  } else if (const std::string trouble = periost_tetgen::write_text_file(out, reply); !trouble.empty()) {
+    code = usage_error(trouble);
   }
-  const std::string trouble = periost_tetgen::write_text_file(out, reply);
-  return trouble.empty() ? 0 : usage_error(trouble);
+  // Without TetGen's clean-up, which cannot be trusted after a failure.
+  std::fflush(nullptr);
+  ::_exit(code);
 }
 
 }  // namespace
@@ -176,5 +178,5 @@ int main(int argc, char** argv) {
   }
   request.header.memory_bytes = static_cast<std::uint64_t>(memory);
   if (files["--in"].empty() || files["--out"].empty()) return usage_error("--in and --out are needed");
-  return run_from_files(files["--in"], files["--out"], request);
+  run_from_files(files["--in"], files["--out"], request);
 }

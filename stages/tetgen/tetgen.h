@@ -1,0 +1,38 @@
+#pragma once
+// Fills a closed surface with tetrahedra by TetGen (Si 2015), which runs in a process of its own
+// (workers/tetgen): it may crash, hang or run out of memory without harm to us.
+#include "pipeline/base/context.h"
+#include "pipeline/base/quantity.h"
+#include "pipeline/data/surface_mesh.h"
+#include "pipeline/data/tet_mesh.h"
+
+namespace periost {
+
+struct TetgenOptions {
+  double max_radius_edge = 1.4;         // largest ratio of circumradius to shortest edge
+  Angle min_dihedral = Angle::deg(10);  // smallest dihedral angle that refinement aims at
+  double max_volume = 0;                // largest tetrahedron, mm^3; 0: no limit
+  bool preserve_surface = true;         // keep every triangle; else TetGen may split them
+  int order = 1;                        // 2: with mid-side nodes, on straight edges
+  Angle optimise = Angle::deg(140);     // dihedral angles above it are worked on at the end; 0: not at all
+  double time_limit = 900;              // seconds for all attempts
+};
+
+// First the surface is checked on its own: finite, closed, manifold, oriented, no triangle without area, no
+// self-intersection (exactly). What is wrong is named in mm and drawn in `surface_faults.vtp` in
+// context.output. Shells inside shells are cavities and bodies in turn, whatever their normals say.
+//
+// The result: points of the surface first, in its order (those that no triangle uses left out), with the same
+// bits; tetrahedra of positive volume in VTK's order; `region` is the number of the separate body, from 1 in
+// the order of the bodies' first triangles; `boundary` outward; `boundary_preserved` as measured. It depends
+// on surface and options only. Units LPS mm.
+//
+// Errors, by kind and code:
+//   kQuality, or kInput if surface.was_read: surface.not_finite, surface.open, surface.not_manifold,
+//       surface.misoriented, surface.degenerate, surface.self_intersection, surface.empty
+//   kExternal: tetgen.worker_missing, tetgen.worker_died, tetgen.failed
+//   kLimit: tetgen.memory, tetgen.time     kInterrupted: the worker is ended with us
+// Memory: about 0.25 kB a tetrahedron in the worker, limited to context.memory_bytes if that is given.
+TetMesh tetrahedralize(const SurfaceMesh& surface, const TetgenOptions& options, const Context& context);
+
+}  // namespace periost
