@@ -21,7 +21,7 @@ bool is_plain_scalar(std::string_view text) {
   if (text.front() == '-' && (text.size() < 2 || text[1] == ' ' || text[1] == '-')) return false;
   if (text.find(": ") != std::string_view::npos || text.find(" #") != std::string_view::npos) return false;
   return std::all_of(text.begin(), text.end(), [](char c) {
-    return c >= ' ' && c < '\x7F' && std::string_view(",[]{}").find(c) == std::string_view::npos;
+    return c >= ' ' && c < '\x7F' && std::string_view(",[]{}?").find(c) == std::string_view::npos;
   });
 }
 

@@ -173,6 +173,7 @@ void apply_override(Value& document, const std::string& text, Diagnostics& diagn
   const std::size_t before = diagnostics.size();
   Value value = parse_yaml(text.substr(equals + 1), place.file, diagnostics);
   place_everywhere(value, place);
+  for (std::size_t i = before; i < diagnostics.size(); ++i) diagnostics[i].place = place;
   if (diagnostics.size() != before || document.kind != Value::Kind::kMap) return;
 
   const std::string first(override.key.substr(0, override.key.find_first_of(".[")));

@@ -39,7 +39,12 @@ class TreeBuilder final : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     refuse_anchor(mark, anchor);
-    add(Value{}, mark);
+    if (expects_key()) fail("config.bad_key", mark, "a key is missing");
+    Value null;
+    null.place = place_of(file_, mark);
+    // The parser's mark of a value left out is that of the next token: the key tells more.
+    if (!levels_.empty() && levels_.back().pending) null.place = levels_.back().pending->place;
+    place(std::move(null));
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t /*anchor*/) override { refuse_anchor(mark, 1); }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -87,7 +92,8 @@ class TreeBuilder final : public YAML::EventHandler {
       fail("config.too_deep", mark,
            fmt::format("lists and maps are nested more than {} deep", kDeepestDocument));
     }
-    if (expects_key()) fail("config.bad_key", mark, "a key must be a text, not a list or map");
+    if (expects_key())
+      fail("config.bad_key", mark, "a key must be a text, not a list or map", "is a bracket left open?");
     value.place = place_of(file_, mark);
     levels_.push_back({std::move(value), {}, std::nullopt});
   }

@@ -29,8 +29,9 @@ std::string shown(const Value& value) {
 
 bool wrong_type(const Value& value, const CodecScope& scope, const std::string& wanted,
                 std::string hint = {}) {
-  return scope.error("config.wrong_type", value, fmt::format("{} is not {}", shown(value), wanted),
-                     std::move(hint));
+  const std::string text = value.kind == Kind::kNull ? fmt::format("there is no value; it must be {}", wanted)
+                                                     : fmt::format("{} is not {}", shown(value), wanted);
+  return scope.error("config.wrong_type", value, text, std::move(hint));
 }
 
 bool in_range(double number, const Value& value, const CodecScope& scope) {

@@ -9,6 +9,7 @@ namespace periost {
 std::string Range::text() const {
   const bool has_min = std::isfinite(min);
   const bool has_max = std::isfinite(max);
+  if (has_min && min == max) return to_text(min);
   if (has_min && has_max && !min_excluded && !max_excluded) {
     return fmt::format("from {} to {}", to_text(min), to_text(max));
   }
@@ -42,13 +43,15 @@ void ParamTableBase::check_keys(const Value& map, const CodecScope& scope) const
   for (const ParamInfo& param : params_) {
     if (!param.range.is_required || map.find(param.name) != nullptr) continue;
     const CodecScope at = scope.at(param.name);
+    std::string hint = param.doc;
+    if (!hint.empty() && hint.back() == '.') hint.pop_back();
     scope.diagnostics->push_back({Severity::kError,
                                   "config.missing_key",
                                   {},
                                   at.key,
                                   map.place,
                                   fmt::format("key '{}' is missing", at.key),
-                                  param.doc});
+                                  std::move(hint)});
   }
 }
 

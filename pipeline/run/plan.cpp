@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "pipeline/run/connect.h"
 
@@ -149,6 +150,15 @@ std::string_view name_of(Provenance::Paths paths) {
   return paths == Provenance::Paths::kFull ? "full" : paths == Provenance::Paths::kNone ? "none" : "basename";
 }
 
+// The order of the file; what has the same place stays in the order it came.
+void sort_by_place(Diagnostics& diagnostics) {
+  const auto is_before = [](const Diagnostic& a, const Diagnostic& b) {
+    if (a.place.file != b.place.file) return a.place.file < b.place.file;
+    return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
+  };
+  std::stable_sort(diagnostics.begin(), diagnostics.end(), is_before);
+}
+
 Value quoted(std::string text) {
   Value value = Value::scalar(std::move(text));
   value.is_quoted = true;
@@ -178,6 +188,7 @@ Plan make_plan(const Configuration& configuration, const Registry& registry, Dia
   const bool is_known = std::all_of(plan.steps.begin(), plan.steps.end(),
                                     [](const PlanStep& step) { return step.declaration != nullptr; });
   if (is_complete && is_known) plan.peak_bytes = peak_of(plan.steps);
+  sort_by_place(diagnostics);
   return plan;
 }
 
