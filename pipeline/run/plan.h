@@ -42,10 +42,10 @@ struct Plan {
   std::uint64_t peak_bytes = 0;  // estimate of the whole run: the largest step with what it must keep alive
 };
 
-// Checks a configuration against the known stages. All problems are added to `diagnostics`, each with its
-// place; a plan with errors among them must not be run. A stage takes the newest artefact of each kind it
-// needs; `from:` picks another; of several inputs of one kind, all but the first must be picked. The registry
-// must outlive the plan.
+// Checks a configuration against the known stages; diagnostics are then in the order of the file. All
+// problems are added to `diagnostics`, each with its place; a plan with errors among them must not be run. A
+// stage takes the newest artefact of each kind it needs; `from:` picks another; of several inputs of one
+// kind, all but the first must be picked. The registry must outlive the plan.
 Plan make_plan(const Configuration& configuration, const Registry& registry, Diagnostics& diagnostics);
 
 // The configuration that this plan came from with every default, id and input spelled out, as it goes to
