@@ -57,13 +57,13 @@ std::string name_of(RunStatus status) {
   return kStatusNames[static_cast<std::size_t>(status)];
 }
 
-std::string provenance_path(const std::filesystem::path& path, PathProvenance paths) {
+std::string provenance_path(const std::filesystem::path& path, Provenance::Paths paths) {
   switch (paths) {
-    case PathProvenance::kFull:
+    case Provenance::Paths::kFull:
       return path.string();
-    case PathProvenance::kBasename:
+    case Provenance::Paths::kBasename:
       return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
-    case PathProvenance::kNone:
+    case Provenance::Paths::kNone:
       return {};
   }
   return {};
@@ -101,6 +101,29 @@ std::string manifest_json(const Manifest& manifest) {
                          {"hint", manifest.error->hint}};
   }
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+namespace {
+
+void replace_all(std::string& text, const std::string& what, const std::string& by) {
+  if (what.empty()) return;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+}
+
+}  // namespace
+
+std::string without_paths(std::string text, const std::vector<std::filesystem::path>& files,
+                          Provenance::Paths paths) {
+  if (paths == Provenance::Paths::kFull) return text;
+  for (const std::filesystem::path& file : files) {
+    const std::string name = provenance_path(file, Provenance::Paths::kBasename);
+    replace_all(text, file.string(), name);
+    replace_all(text, file.parent_path().string() + "/", "");
+    if (paths == Provenance::Paths::kNone) replace_all(text, name, "(input)");
+  }
+  return text;
 }
 
 }  // namespace periost

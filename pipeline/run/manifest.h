@@ -1,6 +1,6 @@
 #pragma once
 // run.json, schema periost-run/1: what a run was given, what it did and how it ended. No name of a person, no
-// birth date and no identifier is ever part of it; paths as far as PathProvenance allows.
+// birth date and no identifier is ever part of it; paths as far as Provenance::Paths allows.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/config/configuration.h"
+
 namespace periost {
 
 enum class RunStatus { kPassed, kWarned, kGateFailed, kFailed, kInterrupted };
-enum class PathProvenance { kFull, kBasename, kNone };
 
 // A file pinned by its content.
 struct FileRecord {
@@ -53,7 +54,7 @@ struct Manifest {
   RunStatus status = RunStatus::kPassed;
   int exit_code = 0;
   std::vector<std::string> command;
-  PathProvenance paths = PathProvenance::kBasename;
+  Provenance::Paths paths = Provenance::Paths::kBasename;
   std::uint64_t seed = 0;
   int threads = 1;
   std::uint64_t memory_bytes = 0;  // the budget; 0: none
@@ -73,6 +74,11 @@ std::string name_of(RunStatus status);
 std::string manifest_json(const Manifest& manifest);
 
 // `path` as provenance allows: whole, its last part, or "".
-std::string provenance_path(const std::filesystem::path& path, PathProvenance paths);
+std::string provenance_path(const std::filesystem::path& path, Provenance::Paths paths);
+
+// `text` with every occurrence of one of `files` (full paths) cut likewise; kNone also hides their last
+// parts.
+std::string without_paths(std::string text, const std::vector<std::filesystem::path>& files,
+                          Provenance::Paths paths);
 
 }  // namespace periost

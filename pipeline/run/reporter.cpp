@@ -117,22 +117,26 @@ Reporter::~Reporter() {
   if (events_file_ >= 0) ::close(events_file_);
 }
 
-void Reporter::open_events(const std::filesystem::path& path) {
+void Reporter::open_events(const std::filesystem::path& path,
+                           std::function<std::string(const std::string&)> text_filter) {
   const std::lock_guard lock(mutex_);
+  text_filter_ = std::move(text_filter);
   if (events_file_ >= 0) ::close(events_file_);
   events_file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0666);
 }
 
 void Reporter::report(const Event& event) {
   const std::lock_guard lock(mutex_);
-  const std::string line = event_json(event, utc_now());
+  const std::string time = utc_now();
   if (events_file_ >= 0) {
-    const std::string text = line + "\n";
+    Event filtered = event;
+    if (text_filter_) filtered.text = text_filter_(event.text);
+    const std::string text = event_json(filtered, time) + "\n";
     [[maybe_unused]] const ssize_t written = ::write(events_file_, text.data(), text.size());
   }
   if (options_.log_format == LogFormat::kJson) {
     if (event.level != Event::Level::kProgress || options_.progress != ProgressStyle::kNone) {
-      logger().log(spdlog_level(event.level), "{}", line);
+      logger().log(spdlog_level(event.level), "{}", event_json(event, time));
     }
   } else if (event.level == Event::Level::kProgress) {
     show_progress(event);
@@ -143,6 +147,10 @@ void Reporter::report(const Event& event) {
 
 void Reporter::log(const Event& event) {
   clear_bar();
+  if (event.level == Event::Level::kError) {
+    const std::string stage = event.stage.empty() ? std::string() : "stage '" + event.stage + "': ";
+    return write_stderr(fmt::format("periost: error: {}{} [{}]\n", stage, event.text, event.code));
+  }
   const std::string place = event.stage.empty() ? std::string() : event.stage + ": ";
   const std::string code =
       event.level >= Event::Level::kWarning && !event.code.empty() ? " [" + event.code + "]" : "";

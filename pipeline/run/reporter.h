@@ -36,7 +36,9 @@ class Reporter {
 
   // From here on events also go to this file, which starts empty. Each line is written at once, so that a
   // killed run leaves whole lines.
-  void open_events(const std::filesystem::path& path);
+  // `text_filter`, if set, is applied to the texts in the file (paths that must not appear there).
+  void open_events(const std::filesystem::path& path,
+                   std::function<std::string(const std::string&)> text_filter = {});
   void report(const Event& event);
   EventSink sink() {
     return [this](const Event& event) { report(event); };
@@ -51,6 +53,7 @@ class Reporter {
   ReporterOptions options_;
   std::mutex mutex_;
   int events_file_ = -1;
+  std::function<std::string(const std::string&)> text_filter_;
   bool has_bar_ = false;
   std::string step_;  // what the progress shown last is about
   std::chrono::steady_clock::time_point step_started_;

@@ -32,10 +32,18 @@ TEST(Manifest, HasTheKeysOfTheContract) {
 }
 
 TEST(Manifest, PathsAppearAsFarAsAllowed) {
-  EXPECT_EQ(provenance_path("/data/smith/ct.nii", PathProvenance::kFull), "/data/smith/ct.nii");
-  EXPECT_EQ(provenance_path("/data/smith/ct.nii", PathProvenance::kBasename), "ct.nii");
-  EXPECT_EQ(provenance_path("/data/smith/series/", PathProvenance::kBasename), "series");
-  EXPECT_EQ(provenance_path("/data/smith/ct.nii", PathProvenance::kNone), "");
+  EXPECT_EQ(provenance_path("/data/smith/ct.nii", Provenance::Paths::kFull), "/data/smith/ct.nii");
+  EXPECT_EQ(provenance_path("/data/smith/ct.nii", Provenance::Paths::kBasename), "ct.nii");
+  EXPECT_EQ(provenance_path("/data/smith/series/", Provenance::Paths::kBasename), "series");
+  EXPECT_EQ(provenance_path("/data/smith/ct.nii", Provenance::Paths::kNone), "");
+}
+
+TEST(Manifest, TextsKeepNoMoreOfAPathThanAllowed) {
+  const std::string text = "cannot read '/data/smith/ct.nii': it is empty";
+  const std::vector<std::filesystem::path> files{"/data/smith/ct.nii"};
+  EXPECT_EQ(without_paths(text, files, Provenance::Paths::kFull), text);
+  EXPECT_EQ(without_paths(text, files, Provenance::Paths::kBasename), "cannot read 'ct.nii': it is empty");
+  EXPECT_EQ(without_paths(text, files, Provenance::Paths::kNone), "cannot read '(input)': it is empty");
 }
 
 TEST(Manifest, TheCommandKeepsNoFolders) {
