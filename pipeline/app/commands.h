@@ -33,4 +33,6 @@ struct Session {
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& summary,
                       const std::string& example);
 
+void add_run_command(CLI::App& app, Session& session);
+
 }  // namespace periost

@@ -16,7 +16,9 @@ namespace periost {
 namespace {
 
 // One line per command: the order of --help.
-void add_commands([[maybe_unused]] CLI::App& app, [[maybe_unused]] Session& session) {}
+void add_commands(CLI::App& app, Session& session) {
+  add_run_command(app, session);
+}
 
 int fail(ErrorKind kind, const std::string& code, const std::string& text, const std::string& hint = {}) {
   fmt::print(stderr, "periost: error: {}{}{} [{}]\n", text, hint.empty() ? "" : "; ", hint, code);

@@ -26,10 +26,10 @@ struct FileRecord {
 // value.
 struct OutputRecord {
   std::string kind;
-  std::string file;  // empty: not left as a file
-  std::string xxh128;
-  std::map<std::string, double> facts;
-  std::vector<FileRecord> files;  // decks: the files they consist of
+  std::string file{};  // empty: not left as a file
+  std::string xxh128{};
+  std::map<std::string, double> facts{};
+  std::vector<FileRecord> files{};  // decks: the files they consist of
 };
 
 struct StageRecord {
@@ -37,7 +37,7 @@ struct StageRecord {
   double wall_s = 0, cpu_s = 0;
   std::uint64_t peak_rss_bytes = 0;
   bool cached = false;
-  std::vector<OutputRecord> outputs;
+  std::vector<OutputRecord> outputs{};
 };
 
 struct RoundRecord {
