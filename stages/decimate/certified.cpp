@@ -19,6 +19,9 @@ constexpr int kStages = 6;                // removal stages by cost
 constexpr int kFinalRounds = 4;           // relocations and removals after the last stage
 constexpr double kWorthwhile = 0.005;     // part of the vertices a final round must remove to go on
 constexpr int kAngleRounds = 3;
+// While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
+// the limit itself removals would stop at twice the triangles.
+constexpr int kTopologySlack = 3;
 
 double tolerance_mm(const Isosurface& isosurface, const DecimateOptions& options) {
   const double voxel = isosurface.frame.largest_spacing();
@@ -34,8 +37,8 @@ double reverse_scale(ReverseDistance reverse) {
   return reverse == ReverseDistance::kNone ? 0 : reverse == ReverseDistance::kOnce ? 1 : 2;
 }
 
-// Locks or drops the components with fewer triangles than asked.
-void treat_small_components(const DecimateOptions& options, CertifiedMesh& mesh, ReverseProofs& proofs) {
+// Drops the components with fewer triangles than asked.
+void drop_small_components(std::size_t least, CertifiedMesh& mesh, ReverseProofs& proofs) {
   const Index count = static_cast<Index>(mesh.triangles.size());
   std::vector<std::uint8_t> seen(count, 0);
   std::vector<Index> component;
@@ -50,13 +53,11 @@ void treat_small_components(const DecimateOptions& options, CertifiedMesh& mesh,
         component.push_back(next);
       }
     }
-    if (component.size() >= static_cast<std::size_t>(std::max(0, options.small_triangles))) continue;
+    if (component.size() >= least) continue;
     for (const Index t : component) {
-      for (const Index v : mesh.triangles[t].corner) {
-        mesh.is_locked[v] = 1;
-        if (options.small_components == SmallComponents::kDrop) mesh.incident[v] = kNoIndex;
-      }
-      if (options.small_components == SmallComponents::kKeep) continue;
+      for (const Index v : mesh.triangles[t].corner) mesh.incident[v] = kNoIndex;
+    }
+    for (const Index t : component) {
       mesh.triangles[t].corner[0] = kNoIndex;
       proofs.proof[t].home = kNoIndex;
       proofs.first[t] = kNoIndex;
@@ -74,11 +75,13 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
                           const DecimateOptions& options) {
   CertifiedMesh mesh = make_certified_mesh(reference);
   ReverseProofs proofs = make_reverse_proofs(reference.triangles.size());
-  treat_small_components(options, mesh, proofs);
+  if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
+    drop_small_components(static_cast<std::size_t>(options.small_triangles), mesh, proofs);
+  }
   GuardLimits limits;
   limits.min_angle = options.min_angle.radians();
   limits.min_barycentric = options.min_barycentric;
-  limits.topology = options.topology;
+  limits.topology = options.topology + kTopologySlack;
   const double tolerance = tolerance_mm(isosurface, options) * (1 - kRounding);
   SheetGrid sheets(reference, mesh, kSheetSide);
   return {reference,
@@ -134,6 +137,8 @@ void run_schedule(CertifiedState& state, Worker& worker, const Context& context)
     report("angles");
   }
   sweep(state, worker, context, fit_pass);
+  state.limits.topology -= kTopologySlack;
+  sweep(state, worker, context, swap_pass);
 }
 
 SurfaceMesh extract_surface(const CertifiedState& state) {

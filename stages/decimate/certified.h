@@ -6,9 +6,9 @@
 // of marching cubes, where the output is the isosurface itself and both distances are 0. Every move (an edge
 // removal T1^2 with the best place for the merged face's dual vertex, a swap T7^2, the relocation of one dual
 // vertex) replaces the triangles of one ring, and passes every check before anything is changed:
-//   link condition, valences 3..9 and |D| <= T, angles of the dual triangles, barycentric coordinates, fold
-//   and dihedral angles (certified_guard.h); forward and reverse certificate; no intersection with what stays
-//   (certified_sheets.h).
+//   link condition, valences 3..9, topological criterion, angles of the dual triangles, barycentric
+//   coordinates, fold and dihedral angles (certified_guard.h); forward and reverse certificate; no
+//   intersection with what stays (certified_sheets.h).
 //
 // Why the two-sided distance holds. Invariant F: each output triangle lies within the tolerance of the
 // isosurface. It holds at the start; a move brings in only triangles that the forward certificate proves
@@ -24,9 +24,13 @@
 // stays a manifold of the same Euler number. Self-intersections are kept out move by move with exact
 // predicates, and looked for once more at the end.
 //
-// Angles under the limit, which marching cubes makes in numbers, may stay where nothing better was found:
-// the sum of deficits never grows. Contours of an open isosurface, and components of fewer than
-// `small_triangles` triangles, are kept as they are.
+// What is aimed for rather than guaranteed. Angles under the limit, which marching cubes makes in numbers,
+// may stay where nothing better was found: their sum of deficits never grows. Moves that make it fall may
+// pass by the topological and barycentric criteria. |D| may exceed T by 3 while edges are removed; swaps
+// bring it down at the end where the other criteria allow.
+//
+// Contours of an open isosurface are kept as they are. Components of fewer than `small_triangles` triangles
+// are treated like others, or dropped on request.
 #include "pipeline/base/context.h"
 #include "pipeline/data/isosurface.h"
 #include "pipeline/data/simplex_mesh.h"

@@ -120,7 +120,8 @@ double smallest_barycentric(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   return std::min({u, v, 1 - u - v});
 }
 
-bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits) {
+bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
+                    bool only_valences) {
   if (proposal.valence_changes.size() == 0) return true;
   const BeforeView before{mesh};
   const AfterView after{mesh, proposal};
@@ -132,7 +133,7 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
     old_excess += excess(before.valence(change.vertex));
     new_excess += excess(after.valence(change.vertex));
   }
-  if (new_excess > old_excess) return false;
+  if (new_excess > old_excess || only_valences) return new_excess <= old_excess;
   FixedList<Index, 4 * kMaxStar> neighbours;
   collect_valence_neighbours(mesh, proposal, neighbours);
   int old_sum = 0, new_sum = 0;

@@ -37,8 +37,9 @@ struct GuardLimits {
 // Smallest angle of a triangle, radians; 0 when degenerate.
 double min_angle(const std::array<Vec3, 3>& triangle);
 
-// Valences and the topological criterion.
-bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits);
+// Valences and, unless `only_valences`, the topological criterion.
+bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
+                    bool only_valences = false);
 
 // Angles of the dual triangles. `gain`, when given, receives the fall of the sum of deficits, radians.
 bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,

@@ -60,11 +60,11 @@ bool is_forward_certified(const CertifiedState& state, Worker& worker) {
 }
 
 // All criteria but link, topology and angles, cheap ones first.
-Refusal check(CertifiedState& state, Worker& worker, Vec3 facing) {
+Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles) {
   Proposal& proposal = worker.proposal;
   if (!locate(state, worker, proposal, facing)) return Refusal::kDistance;
   if (!meets_fold(state.reference, state.mesh, proposal, state.limits)) return Refusal::kFold;
-  if (!meets_barycentric(state.mesh, proposal, state.limits)) return Refusal::kBarycentric;
+  if (!mends_angles && !meets_barycentric(state.mesh, proposal, state.limits)) return Refusal::kBarycentric;
   if (!is_forward_certified(state, worker)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
@@ -113,14 +113,14 @@ std::uint32_t signature_of(const CertifiedMesh& mesh, const Proposal& proposal) 
 }
 
 // The place for a removal whose angles hold, if one of the strengths gives one.
-Refusal place_merged(const CertifiedState& state, Proposal& proposal, Vec3 normal) {
+Refusal place_merged(const CertifiedState& state, Proposal& proposal, Vec3 normal, double& gain) {
   Quadric quadric = state.quadrics[proposal.moved];
   quadric += state.quadrics[proposal.removed];
   const Vec3 origin = state.reference.points[0];
   const Vec3 towards = rim_centroid(state.mesh, proposal) - origin;
   for (const double strength : kStrengths) {
     proposal.place = origin + best_place(quadric, towards, normal, strength);
-    if (meets_angles(state.mesh, proposal, state.limits)) return Refusal::kNone;
+    if (meets_angles(state.mesh, proposal, state.limits, &gain)) return Refusal::kNone;
   }
   return Refusal::kAngle;
 }
@@ -164,9 +164,13 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
       t < other ? 3 * std::size_t{t} + k : 3 * std::size_t{other} + 3 - twin.slot_of(u) - twin.slot_of(v);
   if (state.failed[slot] == signature) return false;
   const Vec3 normal = edge_normal(state, u, v);
-  Refusal refusal = meets_topology(state.mesh, proposal, state.limits) ? Refusal::kNone : Refusal::kTopology;
-  if (refusal == Refusal::kNone) refusal = place_merged(state, proposal, normal);
-  if (refusal == Refusal::kNone) refusal = check(state, worker, normal);
+  double gain = 0;
+  Refusal refusal = place_merged(state, proposal, normal, gain);
+  const bool mends = gain > kGainSlack;
+  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits, mends)) {
+    refusal = Refusal::kTopology;
+  }
+  if (refusal == Refusal::kNone) refusal = check(state, worker, normal, mends);
   if (refusal != Refusal::kNone) {
     state.failed[slot] = signature;
     return refuse(state, worker, refusal, u);
@@ -187,10 +191,11 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   Refusal refusal =
       meets_angles(state.mesh, proposal, state.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
   if (improve_angles && gain < kGainSlack) return false;
-  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits)) {
+  const bool mends = gain > kGainSlack;
+  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits, mends)) {
     refusal = Refusal::kTopology;
   }
-  if (refusal == Refusal::kNone) refusal = check(state, worker, {});
+  if (refusal == Refusal::kNone) refusal = check(state, worker, {}, mends);
   if (refusal != Refusal::kNone) return refuse(state, worker, refusal, u);
   commit(state, worker);
   ++worker.counts.swaps;
@@ -204,8 +209,8 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
   double gain = 0;
   if (!meets_angles(state.mesh, proposal, state.limits, &gain)) return false;
   if (improve_angles && gain < kGainSlack) return false;
-  if (check(state, worker, state.reference.normals[state.mesh.nearest[vertex]]) != Refusal::kNone)
-    return false;
+  const Vec3 facing = state.reference.normals[state.mesh.nearest[vertex]];
+  if (check(state, worker, facing, gain > kGainSlack) != Refusal::kNone) return false;
   commit(state, worker);
   ++worker.counts.relocations;
   return true;
