@@ -1,0 +1,66 @@
+#include "stages/decimate/decimate.h"
+
+#include <fmt/format.h>
+
+#include "pipeline/base/error.h"
+#include "pipeline/geometry/simplex_dual.h"
+#include "stages/decimate/certified.h"
+#include "stages/decimate/paper.h"
+
+namespace periost {
+namespace {
+
+void refuse_contours(const SimplexMesh& mesh) {
+  for (std::size_t v = 0; v < mesh.neighbour.size(); ++v) {
+    for (const SimplexVertex w : mesh.neighbour[v]) {
+      if (w != kNoVertex) continue;
+      const Vec3 p = mesh.position[v];
+      throw Error(
+          ErrorKind::kQuality, "decimate.open_surface",
+          fmt::format("the isosurface is open near ({:.3f}, {:.3f}, {:.3f}) mm, and `method: paper` "
+                      "decimates closed surfaces only",
+                      p.x, p.y, p.z),
+          "leave out `open: true` of marching_cubes, so that the surface is closed at the image border");
+    }
+  }
+}
+
+// The components with fewer triangles than asked die as a whole.
+void drop_small_components(SimplexMesh& mesh, int least_triangles) {
+  const SimplexComponents components = components_of(mesh);
+  std::vector<int> triangles(components.count, 0);
+  for (const std::uint32_t component : components.of_vertex) ++triangles[component];
+  for (std::size_t v = 0; v < mesh.face.size(); ++v) {
+    if (triangles[components.of_vertex[v]] >= least_triangles) continue;
+    for (const SimplexFace f : mesh.face[v]) mesh.valence[index_of(f)] = 0;
+    mesh.face[v] = {kNoFace, kNoFace, kNoFace};
+  }
+  compact(mesh);
+}
+
+}  // namespace
+
+SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& options, Context& context) {
+  const double voxel_mm = isosurface.surface.voxel_mm;
+  if (options.distance.unit == Length::Unit::kVoxel && !(voxel_mm > 0)) {
+    throw Error(ErrorKind::kUsage, "decimate.no_voxel",
+                "the distance is in voxels, but no image is behind the surface", "give it in mm");
+  }
+  if (options.method == DecimateMethod::kCertified) return decimate_certified(isosurface, options, context);
+
+  const double distance_mm = options.distance.in_mm(voxel_mm);
+  const std::uint64_t seed = options.seed != 0 ? options.seed : context.seed;
+  SimplexMesh mesh = dual_simplex_mesh(isosurface.surface);
+  refuse_contours(mesh);
+  if (options.small_components == SmallComponents::kDrop)
+    drop_small_components(mesh, options.small_triangles);
+  decimate_paper(isosurface, options, distance_mm, seed, mesh, context);
+  compact(mesh);
+  PERIOST_ASSERT(check_simplex_mesh(mesh).empty());
+  mesh.report.triangles_before = isosurface.surface.triangles.size();
+  mesh.report.triangles_after = mesh.face.size();
+  mesh.report.requested_distance_mm = distance_mm;
+  return mesh;
+}
+
+}  // namespace periost

@@ -1,0 +1,82 @@
+// Declaration of `decimate` and its adapter.
+#include "pipeline/stage/stage.h"
+#include "stages/decimate/decimate.h"
+
+namespace periost {
+
+static std::vector<Choice<DecimateMethod>> choices_of(DecimateMethod) {
+  return {{DecimateMethod::kCertified, "certified",
+           "the distance of the triangulation is proved in both directions, and its angles are gated"},
+          {DecimateMethod::kPaper, "paper",
+           "sections 4.2 to 4.4 of the paper to the letter: the distance of vertices and face centres only"}};
+}
+
+static std::vector<Choice<ReverseDistance>> choices_of(ReverseDistance) {
+  return {{ReverseDistance::kNone, "none", "only the mesh is held near the isosurface"},
+          {ReverseDistance::kOnce, "1", "the isosurface lies within `distance` of the mesh, too"},
+          {ReverseDistance::kTwice, "2", "the isosurface lies within twice `distance` of the mesh"}};
+}
+
+static std::vector<Choice<SmallComponents>> choices_of(SmallComponents) {
+  return {{SmallComponents::kKeep, "keep", "tiny surfaces stay as they are"},
+          {SmallComponents::kDrop, "drop", "tiny surfaces are left out"}};
+}
+
+namespace {
+
+class DecimateStage final : public StageOf<DecimateOptions> {
+ public:
+  void declare(Declaration<DecimateOptions>& d) const override {
+    using O = DecimateOptions;
+    d.stage("decimate", 1, "Decimates an isosurface as a deformable simplex mesh.")
+        .input<Isosurface>("isosurface", "The surface to decimate.",
+                           {.closed = true, .manifold = true, .oriented = true})
+        .output<SimplexMesh>("simplex_mesh", "The decimated model.",
+                             {.closed = true, .manifold = true, .oriented = true})
+        .param("method", &O::method, Quantity::kNone, Range::any(), "The decimation scheme.")
+        .param("distance", &O::distance, Quantity::kLength, Range::above(0),
+               "Largest distance to the isosurface; voxels are of the largest voxel side.")
+        .param("min_barycentric", &O::min_barycentric, Quantity::kNumber, Range::between(0, 0.33),
+               "Geometric criterion: least barycentric coordinate of a vertex's foot among its neighbours.")
+        .param("topology", &O::topology, Quantity::kCount, Range::between(2, 20),
+               "Topological criterion T: greatest difference between the valences of the faces beside and "
+               "across an edge.")
+        .param("rigidity", &O::rigidity, Quantity::kCount, Range::between(0, 10),
+               "Extent s of the neighbourhood over which the curvature is smoothed, in edges.")
+        .param("stiffness", &O::stiffness, Quantity::kNumber, Range::between(0, 1),
+               "Pull beta towards the isosurface, against smoothness.")
+        .param("damping", &O::damping, Quantity::kNumber, Range::between(0, 1),
+               "Damping gamma of the law of motion; 1 leaves no inertia.")
+        .param("iterations", &O::iterations, Quantity::kCount, Range::between(0, 100),
+               "Steps of the law of motion after each operator.")
+        .param("min_angle", &O::min_angle, Quantity::kAngle, Range::between(0, 45),
+               "Smallest angle of a triangle of the triangulation (method certified).")
+        .param("reverse", &O::reverse, Quantity::kNone, Range::any(),
+               "How far the isosurface may lie from the triangulation, in distances (method certified).")
+        .param("small_components", &O::small_components, Quantity::kNone, Range::any(),
+               "What happens to closed surfaces of fewer than small_triangles triangles.")
+        .param("small_triangles", &O::small_triangles, Quantity::kCount, Range::between(0, 1e6),
+               "Below this many triangles a component is not decimated.")
+        .param("seed", &O::seed, Quantity::kCount, Range::at_least(0),
+               "Seed of the random order of edges; 0 takes the run's.");
+  }
+
+  void preflight(const DecimateOptions&, Preflight& preflight) const override {
+    const Forecast& in = preflight.inputs["isosurface"];
+    Forecast& out = preflight.outputs["simplex_mesh"];
+    out.triangles = in.triangles;
+    out.voxel_mm = in.voxel_mm;
+    preflight.peak_bytes = in.triangles * kBytesPerTriangle;
+  }
+
+  Outputs run(const DecimateOptions& options, const Inputs& inputs, Context& context) const override {
+    return {decimate(inputs.get<Isosurface>("isosurface"), options, context)};
+  }
+
+ private:
+  static constexpr std::uint64_t kBytesPerTriangle = 300;
+};
+
+}  // namespace
+PERIOST_STAGE(decimate, DecimateStage)
+}  // namespace periost
