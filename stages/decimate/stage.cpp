@@ -78,5 +78,6 @@ class DecimateStage final : public StageOf<DecimateOptions> {
 };
 
 }  // namespace
-PERIOST_STAGE(decimate, DecimateStage)
 }  // namespace periost
+
+PERIOST_STAGE(decimate, periost::DecimateStage)
