@@ -249,7 +249,7 @@ ImageLayout nifti_layout(const std::filesystem::path& path) {
   ImageLayout layout;
   layout.format = fields.is_version_2 ? "NIfTI-2" : "NIfTI-1";
   layout.frame = frame_of(path, header, layout.notes);
-  layout.type = type_of(path, header.code(fields.datatype));
+  layout.type = type_of(path, header.at<std::int16_t>(fields.datatype));
   layout.is_big_endian = header.is_big_endian();
   set_scaling(path, header, layout);
 

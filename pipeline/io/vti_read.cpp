@@ -4,6 +4,7 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCommand.h>
 #include <vtkDataArray.h>
+#include <vtkExecutive.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
@@ -44,6 +45,9 @@ struct Reader {
     observer->SetCallback(keep_first_error);
     observer->SetClientData(&error);
     vtk->AddObserver(vtkCommand::ErrorEvent, observer);
+    vtk->SetReaderErrorObserver(observer);
+    vtk->SetParserErrorObserver(observer);
+    vtk->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, observer);
     vtk->SetFileName(path.c_str());
   }
   void refuse_errors(const std::filesystem::path& path, const char* code) const {
@@ -84,6 +88,35 @@ GridFrame frame_of(const std::filesystem::path& path, vtkInformation& informatio
   return frame_from_steps(path, checked_dims(path, dims), step, first);
 }
 
+struct TypeRow {
+  int vtk;
+  VoxelType type;
+};
+constexpr std::array<TypeRow, 13> kTypes{{{VTK_SIGNED_CHAR, VoxelType::kInt8},
+                                          {VTK_CHAR, VoxelType::kInt8},
+                                          {VTK_UNSIGNED_CHAR, VoxelType::kUint8},
+                                          {VTK_SHORT, VoxelType::kInt16},
+                                          {VTK_UNSIGNED_SHORT, VoxelType::kUint16},
+                                          {VTK_INT, VoxelType::kInt32},
+                                          {VTK_UNSIGNED_INT, VoxelType::kUint32},
+                                          {VTK_LONG, VoxelType::kInt64},
+                                          {VTK_LONG_LONG, VoxelType::kInt64},
+                                          {VTK_UNSIGNED_LONG, VoxelType::kUint64},
+                                          {VTK_UNSIGNED_LONG_LONG, VoxelType::kUint64},
+                                          {VTK_FLOAT, VoxelType::kFloat32},
+                                          {VTK_DOUBLE, VoxelType::kFloat64}}};
+
+// The type of the point scalars as the header states it; float32 where none are marked as such.
+VoxelType type_of(vtkInformation& information) {
+  vtkInformation* scalars = vtkDataObject::GetActiveFieldInformation(
+      &information, vtkDataObject::FIELD_ASSOCIATION_POINTS, vtkDataSetAttributes::SCALARS);
+  if (scalars == nullptr) return VoxelType::kFloat32;
+  for (const TypeRow& row : kTypes) {
+    if (row.vtk == scalars->Get(vtkDataObject::FIELD_ARRAY_TYPE())) return row.type;
+  }
+  return VoxelType::kFloat32;
+}
+
 void check_claim(const std::filesystem::path& path, const GridFrame& frame) {
   const std::string head = read_head(path);
   const bool is_compressed =
@@ -122,6 +155,7 @@ ImageLayout vti_layout(const std::filesystem::path& path) {
   ImageLayout layout;
   layout.format = "VTK image data";
   layout.frame = frame_of(path, *reader.vtk->GetOutputInformation(0));
+  layout.type = type_of(*reader.vtk->GetOutputInformation(0));
   layout.data_file = path;
   check_claim(path, layout.frame);
   return layout;
