@@ -59,6 +59,7 @@ class Context {
   std::uint64_t seed = 0;
   int threads = 1;
   std::uint64_t memory_bytes = 0;  // budget; 0: none
+  std::string run_name;            // `name` of the configuration, for the names of written files
   std::filesystem::path output;    // folder for files that a stage leaves
   std::filesystem::path scratch;   // folder for files that vanish after the run
   std::filesystem::path workers;   // folder of the worker programs (periost-tetgen)
