@@ -53,6 +53,7 @@ struct SurfaceQuality {
   std::optional<SurfaceDistance> distance;
   std::optional<double> simplex_angle_rms_deg, normal_deviation_rms_deg;
   std::optional<double> volume_change;  // (V - V_iso) / V_iso, signed
+  std::optional<bool> same_topology;    // components and Euler number are the isosurface's
 };
 
 struct VolumeQuality {
@@ -77,7 +78,7 @@ struct WorstElement {
 
 struct GateResult {
   std::string metric;  // path in quality.json
-  std::string op;      // ">=", "<=", "=="
+  std::string op;      // ">=", ">", "<=", "=="
   std::optional<double> limit, warn;
   double value = 0;
   Verdict status = Verdict::kPass;

@@ -14,7 +14,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'P', 'E', 'R', 'I', 'O', 'A', 'R', 'T'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kHeaderBytes = kMagic.size() + 4 + 4 + 8;
 
@@ -231,10 +231,10 @@ template <class W, Same<SurfaceQuality> T>
 void walk(W& w, T& q) {
   auto& [triangles, vertices, components, euler, closed, manifold, oriented, intersections, area, volume,
          angle, radius_ratio, below_20, below_30, valence, distance, simplex_angle, normal_deviation,
-         volume_change] = q;
+         volume_change, same_topology] = q;
   members(w, triangles, vertices, components, euler, closed, manifold, oriented, intersections, area, volume,
           angle, radius_ratio, below_20, below_30, valence, distance, simplex_angle, normal_deviation,
-          volume_change);
+          volume_change, same_topology);
 }
 
 template <class W, Same<VolumeQuality> T>

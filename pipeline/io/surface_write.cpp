@@ -166,6 +166,12 @@ std::optional<SurfaceFormat> surface_format_from_name(std::string_view name) {
   return kFormats[static_cast<std::size_t>(found - names.begin())].format;
 }
 
+const std::string& name_of(SurfaceFormat format) {
+  std::size_t row = 0;
+  while (kFormats[row].format != format) ++row;
+  return surface_format_names()[row];
+}
+
 void write_surface(const SurfaceMesh& mesh, const Path& path, SurfaceFormat format) {
   for (const FormatRow& row : kFormats) {
     if (row.format == format) row.write(mesh, path);

@@ -22,6 +22,7 @@ enum class SurfaceFormat {
 // "stl", "ply", "obj", "off", "vtp": also the files' extensions.
 const std::vector<std::string>& surface_format_names();
 std::optional<SurfaceFormat> surface_format_from_name(std::string_view name);
+const std::string& name_of(SurfaceFormat format);
 
 // Precondition: indices below the number of points, fields as long as what they belong to.
 // Throws Error{kLimit, "file.disk_full" | "file.unwritable"}.

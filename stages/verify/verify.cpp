@@ -1,0 +1,47 @@
+#include "stages/verify/verify.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "pipeline/geometry/measure_volume.h"
+
+namespace periost {
+namespace {
+
+void log_gates(const QualityReport& report, const Context& context) {
+  std::size_t warned = 0, failed = 0;
+  for (const GateResult& gate : report.gates) {
+    if (gate.status == Verdict::kPass) continue;
+    const bool has_failed = gate.status == Verdict::kFail;
+    ++(has_failed ? failed : warned);
+    context.warn(has_failed ? "quality.fail" : "quality.warn", describe(gate));
+  }
+  context.info("quality.verdict",
+               fmt::format("{} gates: {} passed, {} warned, {} failed", report.gates.size(),
+                           report.gates.size() - warned - failed, warned, failed));
+}
+
+}  // namespace
+
+QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, Context& context) {
+  QualityInputs measured;
+  std::optional<SurfaceMesh> boundary;
+  if (inputs.isosurface != nullptr) measured.isosurface = &inputs.isosurface->surface;
+  if (inputs.simplex_mesh != nullptr) measured.decimation = &inputs.simplex_mesh->report;
+  measured.surface = inputs.surface;
+  measured.tet_mesh = inputs.tet_mesh;
+  if (measured.surface == nullptr && measured.tet_mesh != nullptr) {
+    boundary = boundary_surface(*measured.tet_mesh);
+    measured.surface = &*boundary;
+  }
+  MeasureOptions measure_options;
+  measure_options.distance_spacing = options.distance_spacing;
+  Measurement measurement = measure_quality(measured, measure_options, context);
+  apply_gates(measurement.report, measurement.worst, options.preset, options.gates);
+  log_gates(measurement.report, context);
+  return std::move(measurement.report);
+}
+
+}  // namespace periost

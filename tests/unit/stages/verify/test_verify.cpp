@@ -1,0 +1,52 @@
+#include "stages/verify/verify.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/surfaces.h"
+
+namespace periost {
+namespace {
+
+TEST(Verify, NeverThrowsOnAFailedGateAndLogsIt) {
+  SurfaceMesh surface = test::sphere_surface({0, 0, 50}, 10, 2);
+  surface.triangles.pop_back();
+  Context context;
+  std::vector<Event> events;
+  context.sink = [&](const Event& event) { events.push_back(event); };
+  VerifyOptions options;
+  options.preset = Preset::kLenient;
+  const QualityReport report = verify({nullptr, nullptr, &surface, nullptr}, options, context);
+  EXPECT_EQ(report.verdict, Verdict::kFail);
+  ASSERT_GE(events.size(), 2u);
+  EXPECT_EQ(events[0].code, "quality.fail");
+  EXPECT_NE(events[0].text.find("surface.closed is 0, the gate asks for == 1; worst at ("), std::string::npos)
+      << events[0].text;
+  EXPECT_EQ(events.back().code, "quality.verdict");
+}
+
+TEST(Verify, AVolumeWithoutASurfaceHasItsBoundaryMeasured) {
+  TetMesh mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.tets = {{0, 1, 2, 3}};
+  Context context;
+  const QualityReport report = verify({nullptr, nullptr, nullptr, &mesh}, {}, context);
+  ASSERT_TRUE(report.surface && report.volume);
+  EXPECT_TRUE(report.surface->closed);
+  EXPECT_NEAR(*report.surface->volume_mm3, report.volume->volume_mm3, 1e-15);
+}
+
+TEST(Verify, AnIsosurfaceGivesDistancesInVoxels) {
+  Isosurface isosurface;
+  isosurface.surface = test::sphere_surface({0, 0, 50}, 10, 3);
+  isosurface.surface.voxel_mm = 2;
+  const SurfaceMesh surface = test::sphere_surface({0, 0, 50}, 10.2, 3);
+  Context context;
+  const QualityReport report = verify({&isosurface, nullptr, &surface, nullptr}, {}, context);
+  ASSERT_TRUE(report.surface->distance.has_value());
+  EXPECT_EQ(report.surface->distance->unit, "voxel");
+  EXPECT_NEAR(report.surface->distance->hausdorff, 0.1, 0.005);
+  EXPECT_NEAR(*report.surface->volume_change, 1.02 * 1.02 * 1.02 - 1, 1e-9);
+}
+
+}  // namespace
+}  // namespace periost
