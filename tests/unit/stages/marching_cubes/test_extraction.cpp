@@ -2,7 +2,10 @@
 // random grids with ties too; volumes of known bodies; the same bits for any number of threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/random.h"
@@ -128,6 +131,86 @@ TEST(MarchingCubes, VolumeOfSphereInObliqueGrids) {
     const double exact = 4.0 / 3 * 3.14159265358979 * 15 * 15 * 15;
     EXPECT_NEAR(signed_volume(isosurface.surface), exact, 0.005 * exact);
   }
+}
+
+TEST(MarchingCubes, SameBitsForAnyNumberOfThreads) {
+  Context two;
+  two.threads = 2;
+  const Image image = noise({70, 33, 41}, 5, 8);
+  const Isosurface a = marching_cubes(image, {.lower = 2}, {}, Context());
+  const Isosurface b = marching_cubes(image, {.lower = 2}, {}, two);
+  EXPECT_EQ(a.surface.points, b.surface.points);
+  EXPECT_EQ(a.surface.triangles, b.surface.triangles);
+  EXPECT_EQ(a.block_table, b.block_table);
+  ASSERT_EQ(a.blocks.size(), b.blocks.size());
+  for (std::size_t n = 0; n < a.blocks.size(); ++n) EXPECT_EQ(a.blocks[n].first, b.blocks[n].first);
+}
+
+// An open surface ends on the planes through the border voxels' centres, and nowhere else.
+TEST(MarchingCubes, OpenSurfacesEndOnTheBorder) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Image image = noise({9, 8, 18}, 4, seed);
+    const Isosurface isosurface = marching_cubes(image, {.lower = 2}, {.open = true}, Context());
+    const Topology topology = examine_topology(isosurface.surface);
+    EXPECT_TRUE(topology.is_manifold() && topology.is_oriented() && !topology.is_closed());
+    const auto& mesh = isosurface.surface;
+    const auto neighbours = triangle_neighbours(mesh.triangles, mesh.points.size());
+    for (std::size_t t = 0; t < neighbours.size(); ++t) {
+      for (std::size_t n = 0; n < 3; ++n) {
+        if (neighbours[t][n] != kNoIndex) continue;
+        const Vec3 a = image.frame.to_index(mesh.points[mesh.triangles[t][(n + 1) % 3]]);
+        const Vec3 b = image.frame.to_index(mesh.points[mesh.triangles[t][(n + 2) % 3]]);
+        double off = 1;  // voxels from the nearest border plane that holds both ends
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          for (const double plane : {0.0, image.frame.dims[axis] - 1.0}) {
+            off = std::min(off, std::max(std::abs(a[axis] - plane), std::abs(b[axis] - plane)));
+          }
+        }
+        EXPECT_LT(off, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(MarchingCubes, IsCappedHalfAVoxelOutsideTheBorder) {
+  const Image image{GridFrame{{3, 4, 5}, {1, 2, 3}, {7, 8, 9}, {}}, std::vector<float>(60, 1000.0f)};
+  const Isosurface isosurface = marching_cubes(image, {.lower = 226}, {}, Context());
+  for (const Vec3 p : isosurface.surface.points) {
+    const Vec3 x = image.frame.to_index(p);
+    EXPECT_TRUE(x.x > -0.51 && x.y > -0.51 && x.z > -0.51 && x.x < 2.51 && x.y < 3.51 && x.z < 4.51);
+  }
+  expect_sound(isosurface, "full image");
+  EXPECT_THROW(marching_cubes(image, {.lower = 226}, {.open = true}, Context()), Error);
+  EXPECT_THROW(marching_cubes(image, {.lower = 2000}, {}, Context()), Error);
+}
+
+// What the mask did not touch stays where the grey values put it; a voxel held against them moves its surface
+// to itself.
+TEST(MarchingCubes, MaskKeepsUntouchedPartsSubvoxel) {
+  Image image{GridFrame{{6, 1, 1}, {1, 1, 1}, {0, 0, 0}, {}}, {0, 0, 80, 80, 80, 0}};
+  Mask mask{image.frame, {0, 0, 1, 1, 0, 0}, ThresholdRange{.lower = 60}};
+  const auto span = [](const Isosurface& isosurface) {
+    std::pair<double, double> ends{1e9, -1e9};
+    for (const Vec3 p : isosurface.surface.points) {
+      ends.first = std::min(ends.first, p.x);
+      ends.second = std::max(ends.second, p.x);
+    }
+    return ends;
+  };
+  const auto [low, high] = span(marching_cubes(&image, mask, {}, Context()));
+  EXPECT_NEAR(low, 1.75, 1e-6);
+  EXPECT_NEAR(high, 3.98, 1e-6);
+  mask.range.reset();
+  const auto [low_mask, high_mask] = span(marching_cubes(&image, mask, {}, Context()));
+  EXPECT_NEAR(low_mask, 1.5, 1e-6);
+  EXPECT_NEAR(high_mask, 3.5, 1e-6);
+}
+
+TEST(MarchingCubes, RefusesAMaskOnAnotherGrid) {
+  const Image image{GridFrame{{2, 2, 2}, {1, 1, 1}, {0, 0, 0}, {}}, std::vector<float>(8, 1.0f)};
+  const Mask mask{GridFrame{{2, 2, 2}, {1, 1, 1}, {5, 0, 0}, {}}, std::vector<std::uint8_t>(8, 1),
+                  ThresholdRange{}};
+  EXPECT_THROW(marching_cubes(&image, mask, {}, Context()), Error);
 }
 
 }  // namespace
