@@ -44,6 +44,11 @@ fetch() {
   }
   mkdir "$work/tree"
   dpkg-deb -x "$work"/*.deb "$work/tree" || fail "cannot unpack '$package'"
+  # libcgal-demo keeps its images in an archive of its own.
+  if [ -f "$work/tree/usr/share/doc/libcgal-dev/data.tar.gz" ]; then
+    tar -xzf "$work/tree/usr/share/doc/libcgal-dev/data.tar.gz" -C "$work/tree/usr/share/doc/libcgal-dev" ||
+      fail "cannot unpack the data of '$package'"
+  fi
   # Renamed into place when whole, so an interrupted run leaves nothing that looks complete.
   mv -T "$work/tree" "$cache/$package" 2>/dev/null || [ -d "$cache/$package" ] || fail "cannot write to $cache"
   rm -rf "$work"

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pipeline/base/error.h"
@@ -67,7 +68,12 @@ std::string bytes_of_values(const std::vector<T>& values, bool is_big_endian = f
 
 template <class T>
 void put(std::string& bytes, std::size_t offset, T value, bool is_big_endian = false) {
-  bytes.replace(offset, sizeof(T), bytes_of_value(value, is_big_endian));
+  const std::string raw = bytes_of_value(value, is_big_endian);
+  std::copy(raw.begin(), raw.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
+}
+
+inline void put_text(std::string& bytes, std::size_t offset, std::string_view text) {
+  std::copy(text.begin(), text.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
 }
 
 // window_bits: 31 for gzip, 15 for zlib.
@@ -89,17 +95,17 @@ inline std::string deflated(const std::string& bytes, int window_bits = 31) {
 // A tar entry with header and padding.
 inline std::string tar_entry(const std::string& name, const std::string& content, char kind = '0') {
   std::string header(512, '\0');
-  header.replace(0, name.size(), name);
-  header.replace(100, 7, "0000644");
+  put_text(header, 0, name);
+  put_text(header, 100, "0000644");
   std::array<char, 12> size{};
   std::snprintf(size.data(), size.size(), "%011zo", content.size());
-  header.replace(124, 11, size.data(), 11);
+  put_text(header, 124, {size.data(), 11});
   header[156] = kind;
-  header.replace(148, 8, 8, ' ');
+  put_text(header, 148, "        ");
   unsigned sum = 0;
   for (const char letter : header) sum += static_cast<unsigned char>(letter);
   std::snprintf(size.data(), size.size(), "%06o", sum);
-  header.replace(148, 6, size.data(), 6);
+  put_text(header, 148, {size.data(), 6});
   header[154] = '\0';
   return header + content + std::string((512 - content.size() % 512) % 512, '\0');
 }
@@ -115,7 +121,7 @@ inline std::string nifti1(bool big = false) {
   const std::array<float, 4> pixdim{1, 1, 2, 3};
   for (std::size_t n = 0; n < 4; ++n) put(h, 76 + 4 * n, pixdim[n], big);
   put(h, 108, 352.0F, big);
-  h.replace(344, 3, "n+1");
+  put_text(h, 344, "n+1");
   return h;
 }
 

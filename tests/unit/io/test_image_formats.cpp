@@ -299,7 +299,7 @@ TEST(Inv3Read, RefusesWhatItCannotRead) {
   for (int n = 0; n < 100; ++n) deep += "<array>";
   EXPECT_EQ(refused(tar_entry("top/main.plist", plist(deep)) + matrix + kEnd), "image.header");
   std::string lying = matrix;
-  lying.replace(124, 11, "77777777777");
+  put_text(lying, 124, "77777777777");
   EXPECT_EQ(refused(lying + kEnd), "image.header");  // its checksum is wrong now
   // A link is no file, whatever it points to.
   EXPECT_EQ(refused(main + tar_entry("top/matrix.dat", "", '2') + kEnd), "image.header");

@@ -113,7 +113,7 @@ TEST(ImageWriteBytes, NiftiIsWhatTheFormatSays) {
   put(expected, 268, 10.0F), put(expected, 272, -20.0F), put(expected, 276, 30.0F);
   const std::array<float, 12> rows{-1, 0, 0, 10, 0, -2, 0, -20, 0, 0, 3, 30};
   for (std::size_t n = 0; n < 12; ++n) put(expected, 280 + 4 * n, rows[n]);
-  expected.replace(344, 3, "n+1");
+  put_text(expected, 344, "n+1");
   EXPECT_EQ(read_bytes(folder.path() / "a.nii"), expected + bytes_of_values<float>({1, -2}));
 }
 

@@ -159,7 +159,7 @@ TEST(NiftiRead, VersionTwoHasItsOwnOffsets) {
   for (const bool big : {false, true}) {
     std::string h(544, '\0');
     put(h, 0, std::int32_t{540}, big);
-    h.replace(4, 8, std::string("n+2\0\r\n\032\n", 8));
+    put_text(h, 4, {"n+2\0\r\n\032\n", 8});
     put(h, 12, std::int16_t{4}, big);
     const std::array<std::int64_t, 8> dim{3, 2, 3, 4, 1, 1, 1, 1};
     for (std::size_t n = 0; n < 8; ++n) put(h, 16 + 8 * n, dim[n], big);
@@ -191,7 +191,7 @@ TEST(NiftiRead, CompressedAndPairedFilesAreTheSame) {
   EXPECT_EQ(read_image(folder.write("c.nii", deflated(whole))).values, plain.values);
 
   std::string h = nifti1();
-  h.replace(344, 3, "ni1");
+  put_text(h, 344, "ni1");
   put(h, 108, 0.0F);
   const auto header = folder.write("p.hdr", h.substr(0, 348));
   EXPECT_EQ(refusal(header), "image.missing");
