@@ -62,6 +62,35 @@ TEST(RealImages, EveryNiftiOfTheTestDataIsRead) {
   EXPECT_GE(count, 6);
 }
 
+// First and last voxel centre in LPS mm and the sum of all values, as nibabel 5.0 computes them.
+TEST(RealImages, FramesAndValuesAgreeWithAnotherReader) {
+  NEED_TEST_DATA();
+  struct Row {
+    const char* name;
+    Vec3 first;
+    Vec3 last;
+    double sum;
+  };
+  for (const Row& row : {Row{"femur_leg_ct", {-72.8574, -72.8574, -273}, {71.6426, 71.6426, 270}, -6.99095e8},
+                         Row{"totalseg_torso_ct_3mm",
+                             {177.9563, -11.3190, 94.3018},
+                             {-185.0437, -311.3190, 427.3018},
+                             -4.96851e8},
+                         Row{"verse004_vertebrae_mask",
+                             {77.6940, -218.0015, -808.5780},
+                             {-47.0015, -89.7194, -1157.2440},
+                             4.18557e6}}) {
+    const Image image = read_image(test_data() / (std::string(row.name) + ".nii.gz"));
+    const auto& dims = image.frame.dims;
+    EXPECT_LT(distance(image.frame.to_lps({0, 0, 0}), row.first), 1e-4) << row.name;
+    EXPECT_LT(distance(image.frame.to_lps({dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0}), row.last), 1e-4)
+        << row.name;
+    double sum = 0;
+    for (const float value : image.values) sum += static_cast<double>(value);
+    EXPECT_NEAR(sum / row.sum, 1, 1e-5) << row.name;
+  }
+}
+
 TEST(RealImages, BrokenFilesAreRefusedWithASentence) {
   NEED_TEST_DATA();
   int count = 0;
