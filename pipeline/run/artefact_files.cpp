@@ -3,6 +3,7 @@
 #include <array>
 
 #include "pipeline/base/error.h"
+#include "pipeline/io/quality_json.h"
 #include "pipeline/io/surface_write.h"
 #include "pipeline/io/volume_write.h"
 
@@ -33,7 +34,8 @@ const std::array<KindFile, kArtefactKinds> kFiles{{
      [](const Artefact& a, const fs::path& path) { write_surface(value_of<SurfaceMesh>(a), path); }},
     {"volume.vtu", true,
      [](const Artefact& a, const fs::path& path) { write_vtu(value_of<TetMesh>(a), path); }},
-    {"", true, nullptr},
+    {"quality.json", true,
+     [](const Artefact& a, const fs::path& path) { write_quality_json(value_of<QualityReport>(a), path); }},
     {"", false, nullptr},
 }};
 
