@@ -12,8 +12,11 @@ class MarchingCubesStage final : public StageOf<MarchingCubesOptions> {
         .input<Mask>("mask", "What is inside, and the threshold that decided it.")
         .optional_input<Image>("image",
                                "The grey image behind the mask; it places the surface within voxels.")
-        .output<Isosurface>("isosurface", "The surface, with the voxels that it runs through.",
-                            {.closed = false, .manifold = true, .oriented = true})
+        .output<Isosurface>(
+            "isosurface",
+            "The surface, with the voxels that it runs through. With `open: true` it may be open, "
+            "and a stage that needs a closed one refuses it when it runs.",
+            {.closed = true, .manifold = true, .oriented = true})
         .param(
             "open", &MarchingCubesOptions::open, Quantity::kNone, Range::any(),
             "Leave the surface open where the object touches the image border, instead of closing it there.");
