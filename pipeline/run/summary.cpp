@@ -15,7 +15,7 @@ std::string grouped(double value) {
   std::string digits = fmt::format("{:.0f}", value);
   for (std::size_t at = digits.size(); at > 3 && at - 3 > (value < 0 ? 1u : 0u);) {
     at -= 3;
-    digits.insert(at, ",");
+    digits.insert(at, 1, ',');
   }
   return digits;
 }
