@@ -16,7 +16,7 @@ constexpr double kRounding = 1e-4;        // part of the tolerance kept for roun
 constexpr std::size_t kRangeSize = 1000;  // living vertices of one queue
 constexpr int kSheetSide = 2;             // voxels
 constexpr int kStages = 6;                // removal stages by cost
-constexpr int kFinalRounds = 4;           // relocations and removals after the last stage
+constexpr int kFinalRounds = 8;           // relocations and removals after the last stage
 constexpr double kWorthwhile = 0.005;     // part of the vertices a final round must remove to go on
 constexpr int kAngleRounds = 3;
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At

@@ -5,7 +5,7 @@
 namespace periost {
 namespace {
 
-constexpr std::array<double, 2> kStrengths{0.05, 0.3};  // of the tangential regularisation, in turn
+constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangential regularisation, in turn
 constexpr double kLengthWeight = 1e-3;                  // of the squared length in the cost
 constexpr double kGainSlack = 1e-4;                     // radians: smaller gains do not count
 
