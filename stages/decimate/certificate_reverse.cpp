@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace periost {
 namespace {
 
-constexpr int kBisectionDepth = 5;
+constexpr int kLeastDepth = 5;
+constexpr int kMostDepth = 14;
 constexpr std::size_t kMaxTargets = 64;
 
 using Target = ReverseScratch::Target;
@@ -59,6 +61,7 @@ class Renewal {
       if (masks[k] == 0) return false;
     }
     std::uint64_t used = 0;
+    depth_ = depth_for(reference_.corners(s));
     return cover(reference_.corners(s), masks, 0, used) && choose_home(used, mesh, proposal, proof);
   }
 
@@ -92,6 +95,14 @@ class Renewal {
     return scratch_.ring_size >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << scratch_.ring_size) - 1;
   }
 
+  // A piece over the border of two targets needs sides of about the tolerance to lie by one of them; two
+  // bisections halve the sides.
+  int depth_for(const std::array<Vec3, 3>& c) const {
+    const double longest =
+        std::max({squared_norm(c[1] - c[0]), squared_norm(c[2] - c[1]), squared_norm(c[0] - c[2])});
+    return std::clamp(static_cast<int>(std::ceil(std::log2(longest / limit_))) + 1, kLeastDepth, kMostDepth);
+  }
+
   // Bisects until each piece lies within the tolerance of one target; `used` collects these.
   bool cover(const std::array<Vec3, 3>& corner, const std::array<std::uint64_t, 3>& masks, int depth,
              std::uint64_t& used) const {
@@ -100,7 +111,7 @@ class Renewal {
       if ((common & used) == 0) used |= common & (~common + 1);
       return std::popcount(used) <= 4;
     }
-    if (depth == kBisectionDepth) return false;
+    if (depth == depth_) return false;
     std::size_t longest = 0;
     double length = -1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -147,7 +158,8 @@ class Renewal {
   }
 
   const Reference& reference_;
-  double limit_;
+  double limit_;  // squared tolerance
+  int depth_ = kLeastDepth;
   ReverseScratch& scratch_;
 };
 

@@ -5,10 +5,10 @@
 // Every isosurface triangle S stores a home, an output triangle, and up to three labels, output triangles
 // that share a vertex with the home; S lies within the tolerance of the union of these. Proof of one S: the
 // distance to an output triangle is convex, so S lies within the tolerance of one whose distance to S's three
-// corners is; otherwise S is bisected and each piece finds one. A move changes the triangles of one ring. A
-// proof can be hurt only if its home or a label is in that ring, and a label shares a vertex with the home:
-// so the proofs to renew are those homed in the ring, and those homed at a triangle around the ring whose
-// labels are in it.
+// corners is; otherwise S is bisected, deeper for smaller tolerances, and each piece finds one. A move
+// changes the triangles of one ring. A proof can be hurt only if its home or a label is in that ring, and a
+// label shares a vertex with the home: so the proofs to renew are those homed in the ring, and those homed at
+// a triangle around the ring whose labels are in it.
 #include <array>
 #include <cstdint>
 #include <vector>

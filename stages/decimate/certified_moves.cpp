@@ -6,8 +6,8 @@ namespace periost {
 namespace {
 
 constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangential regularisation, in turn
-constexpr double kLengthWeight = 1e-3;                  // of the squared length in the cost
-constexpr double kGainSlack = 1e-4;                     // radians: smaller gains do not count
+constexpr double kLengthWeight = 1e-3;                       // of the squared length in the cost
+constexpr double kGainSlack = 1e-4;                          // radians: smaller gains do not count
 
 // The triangles that share a vertex with the ring but are not in it.
 void collect_around(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch,
