@@ -34,5 +34,6 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
                       const std::string& example);
 
 void add_run_command(CLI::App& app, Session& session);
+void add_quality_command(CLI::App& app, Session& session);
 
 }  // namespace periost

@@ -18,6 +18,7 @@ namespace {
 // One line per command: the order of --help.
 void add_commands(CLI::App& app, Session& session) {
   add_run_command(app, session);
+  add_quality_command(app, session);
 }
 
 int fail(ErrorKind kind, const std::string& code, const std::string& text, const std::string& hint = {}) {

@@ -1,0 +1,22 @@
+#pragma once
+// Reads a surface: STL (binary and ASCII), PLY (binary and ASCII, both byte orders), OBJ, OFF, VTP and legacy
+// VTK.
+#include <filesystem>
+
+#include "pipeline/data/surface_mesh.h"
+
+namespace periost {
+
+// The format follows from the extension. Coordinates are taken as LPS millimetres; polygons are cut into
+// fans; exactly equal points are merged, which gives an STL its connectivity, and `was_read` is set. VTP and
+// PLY keep fields of one number; VTP keeps `voxel_mm`. Throws Error{kInput}: "file.unreadable",
+// "surface.unknown_format", "surface.truncated", "surface.malformed" (with the line or element),
+// "surface.bad_index", "surface.not_finite", "surface.empty". Never trusts a count in the file: memory
+// follows from the file's size.
+SurfaceMesh read_surface(const std::filesystem::path& path);
+
+// Merges points with equal coordinates (-0 equals 0); each keeps the place of its first. Point fields keep
+// the first value. O(n log n).
+void merge_equal_points(SurfaceMesh& mesh);
+
+}  // namespace periost
