@@ -115,7 +115,7 @@ bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, P
   rotate_to(other, gathered, star_v);  // (v, u, b) first, (v, a, u) last
   if (any_locked(mesh, star_u.link) || any_locked(mesh, star_v.link)) return false;
   const std::size_t nu = star_u.triangle.size(), nv = star_v.triangle.size();
-  if (nu < 4 || nv < 4) return false;
+  if (nu + nv < 7) return false;  // the merged vertex keeps three triangles
   const Index a = star_u.link[1], b = star_u.link[nu - 1];
   for (const Index x : star_u.link) {
     if (x != a && x != b && star_v.link.contains(x)) return false;

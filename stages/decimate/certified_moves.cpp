@@ -78,6 +78,13 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
   return Refusal::kNone;
 }
 
+// Topology and the rest for a removal whose angles hold.
+Refusal check_removal(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
+  const bool mends = gain > kGainSlack;
+  if (!meets_topology(state.mesh, worker.proposal, state.limits, mends)) return Refusal::kTopology;
+  return check(state, worker, facing, mends);
+}
+
 void commit(CertifiedState& state, Worker& worker) {
   const Proposal& proposal = worker.proposal;
   apply(proposal, state.mesh);
@@ -166,11 +173,7 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   const Vec3 normal = edge_normal(state, u, v);
   double gain = 0;
   Refusal refusal = place_merged(state, proposal, normal, gain);
-  const bool mends = gain > kGainSlack;
-  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits, mends)) {
-    refusal = Refusal::kTopology;
-  }
-  if (refusal == Refusal::kNone) refusal = check(state, worker, normal, mends);
+  if (refusal == Refusal::kNone) refusal = check_removal(state, worker, normal, gain);
   if (refusal != Refusal::kNone) {
     state.failed[slot] = signature;
     return refuse(state, worker, refusal, u);
@@ -178,6 +181,23 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   commit(state, worker);
   ++worker.counts.removals;
   return true;
+}
+
+bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) {
+  Proposal& proposal = worker.proposal;
+  if (!propose_removal(state.mesh, t, k, proposal)) return false;
+  const Vec3 a = state.mesh.points[proposal.moved], b = state.mesh.points[proposal.removed];
+  const Vec3 normal = edge_normal(state, proposal.moved, proposal.removed);
+  for (const Vec3& place : {(a + b) * 0.5, a, b, rim_centroid(state.mesh, proposal)}) {
+    proposal.place = place;
+    double gain = 0;
+    if (!meets_angles(state.mesh, proposal, state.limits, &gain) || gain < kGainSlack) continue;
+    if (check_removal(state, worker, normal, gain) != Refusal::kNone) continue;
+    commit(state, worker);
+    ++worker.counts.removals;
+    return true;
+  }
+  return false;
 }
 
 bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, bool improve_angles) {

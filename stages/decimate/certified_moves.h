@@ -51,6 +51,10 @@ struct Worker {
 // is then worker.proposal.moved.
 bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k);
 
+// The same for an edge of a triangle with a bad angle: the ends, the middle and the rim's centroid are tried
+// as places too, and the sum of angle deficits must fall.
+bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k);
+
 // Flips that edge. With `improve_angles` the sum of angle deficits must fall; otherwise the criterion is
 // D > 2, so that the sum of (valence - 6)^2 falls.
 bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, bool improve_angles);

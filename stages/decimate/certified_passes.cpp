@@ -143,7 +143,7 @@ bool mend_triangle(CertifiedState& state, Worker& worker, Index t) {
     }
   }
   for (const std::size_t k : {shortest, (shortest + 1) % 3, (shortest + 2) % 3}) {
-    if (try_removal(state, worker, t, k)) return true;
+    if (try_removal(state, worker, t, k) || try_mending_removal(state, worker, t, k)) return true;
   }
   Star star;
   std::vector<Vec3> places;
