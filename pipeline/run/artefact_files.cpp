@@ -3,6 +3,7 @@
 #include <array>
 
 #include "pipeline/base/error.h"
+#include "pipeline/io/image_write.h"
 #include "pipeline/io/quality_json.h"
 #include "pipeline/io/surface_write.h"
 #include "pipeline/io/volume_write.h"
@@ -25,8 +26,10 @@ struct KindFile {
 
 // In the order of ArtefactKind.
 const std::array<KindFile, kArtefactKinds> kFiles{{
-    {"", false, nullptr},
-    {"", false, nullptr},
+    {"image.nii.gz", false,
+     [](const Artefact& a, const fs::path& path) { write_image(path, value_of<Image>(a)); }},
+    {"mask.nii.gz", false,
+     [](const Artefact& a, const fs::path& path) { write_mask(path, value_of<Mask>(a)); }},
     {"isosurface.vtp", false,
      [](const Artefact& a, const fs::path& path) { write_surface(value_of<Isosurface>(a).surface, path); }},
     {"", false, nullptr},

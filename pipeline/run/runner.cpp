@@ -139,7 +139,7 @@ Context Execution::context_for(const std::string& stage) const {
   Context context;
   context.sink = reporter_.sink();
   context.stage = stage;
-  context.name = plan_.name;
+  context.run_name = plan_.name;
   context.cancelled = &cancelled_;
   context.seed = plan_.seed;
   context.threads = manifest_.threads;

@@ -102,10 +102,10 @@ class WriteStage final : public StageOf<NoOptions> {
   }
   Outputs run(const NoOptions&, const Inputs& inputs, Context& context) const override {
     ++world_.runs;
-    AtomicFile file(context.output / (context.name + ".txt"));
+    AtomicFile file(context.output / (context.run_name + ".txt"));
     file.write(std::to_string(inputs.get<SurfaceMesh>("surface").points[1].x));
     file.commit();
-    return {Deck{{context.name + ".txt"}}};
+    return {Deck{{context.run_name + ".txt"}}};
   }
 
  private:
