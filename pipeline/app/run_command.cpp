@@ -95,6 +95,17 @@ RunOptions options_of(const RunCommand& command, const Plan& plan, const Session
   return options;
 }
 
+// Preflight already opens the inputs: when they alone are at fault, that is no fault of the configuration.
+int exit_code_of(const Diagnostics& diagnostics) {
+  const auto is_of_input = [](const Diagnostic& diagnostic) {
+    const std::string group = diagnostic.code.substr(0, diagnostic.code.find('.'));
+    return diagnostic.severity != Severity::kError || group == "image" || group == "mask" ||
+           group == "surface" || group == "mesh" || group == "file";
+  };
+  const bool is_input = std::all_of(diagnostics.begin(), diagnostics.end(), is_of_input);
+  return exit_code(is_input ? ErrorKind::kInput : ErrorKind::kUsage);
+}
+
 int execute(const RunCommand& command, const Session& session) {
   memory_of(command.memory);
   saved_kinds(command.save);
@@ -107,7 +118,7 @@ int execute(const RunCommand& command, const Session& session) {
   if (!command.quiet || has_errors(diagnostics)) {
     for (const Diagnostic& diagnostic : diagnostics) fmt::print(stderr, "{}\n", format(diagnostic));
   }
-  if (has_errors(diagnostics)) return exit_code(ErrorKind::kUsage);
+  if (has_errors(diagnostics)) return exit_code_of(diagnostics);
 
   const RunOptions options = options_of(command, plan, session);
   if (command.dry_run) {
