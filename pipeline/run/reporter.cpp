@@ -125,6 +125,13 @@ void Reporter::open_events(const std::filesystem::path& path,
   events_file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0666);
 }
 
+void Reporter::close_events() {
+  const std::lock_guard lock(mutex_);
+  if (events_file_ >= 0) ::close(events_file_);
+  events_file_ = -1;
+  text_filter_ = nullptr;
+}
+
 void Reporter::report(const Event& event) {
   const std::lock_guard lock(mutex_);
   const std::string time = utc_now();

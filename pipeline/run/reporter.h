@@ -39,6 +39,7 @@ class Reporter {
   // `text_filter`, if set, is applied to the texts in the file (paths that must not appear there).
   void open_events(const std::filesystem::path& path,
                    std::function<std::string(const std::string&)> text_filter = {});
+  void close_events();
   void report(const Event& event);
   EventSink sink() {
     return [this](const Event& event) { report(event); };

@@ -97,6 +97,10 @@ class Execution {
         cache_(folder_.cache(), folder_.path()),
         store_(plan, kinds_as_files(options)) {}
 
+  ~Execution() { reporter_.close_events(); }
+  Execution(const Execution&) = delete;
+  Execution& operator=(const Execution&) = delete;
+
   Manifest run();
 
  private:
