@@ -167,7 +167,8 @@ TEST_F(Failures, KilledInTheMiddleAndResumed) {
     for (int i = 0; i < 2000; ++i) {
       if (fs::is_directory(out / ".cache")) {
         for (const auto& file : fs::directory_iterator(out / ".cache")) {
-          if (file.path().extension() == ".json") return true;
+          const std::string name = file.path().filename().string();
+          if (name.front() != '.' && file.path().extension() == ".json") return true;
         }
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
