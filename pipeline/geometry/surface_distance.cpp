@@ -103,7 +103,7 @@ Piece piece_of(const SurfaceMesh& mesh, std::size_t t) {
   return {mesh.points[a], mesh.points[b], mesh.points[c]};
 }
 
-// First pass: the pieces' centres and the triangle's corners.
+// First pass: three points of each piece, where quadratic functions integrate exactly, and the corners.
 BlockResult sample_block(const SurfaceMesh& from, const SpatialSearch& to, double spacing, std::size_t begin,
                          std::size_t end) {
   BlockResult result;
@@ -111,8 +111,7 @@ BlockResult sample_block(const SurfaceMesh& from, const SpatialSearch& to, doubl
   for (std::size_t t = begin; t < end; ++t) {
     const Piece triangle = piece_of(from, t);
     const int n = pieces_per_side(triangle, spacing);
-    const double weight =
-        norm(area_vector(triangle.a, triangle.b, triangle.c)) / (static_cast<double>(n) * n);
+    const double weight = norm(area_vector(triangle.a, triangle.b, triangle.c)) / (3.0 * n * n);
     Sample largest;
     const auto take = [&](Vec3 place) {
       const Sample s = sample(to, place, hint);
@@ -122,7 +121,9 @@ BlockResult sample_block(const SurfaceMesh& from, const SpatialSearch& to, doubl
     };
     for (const Vec3 corner : {triangle.a, triangle.b, triangle.c}) take(corner);
     for_each_piece(triangle, n, [&](const Piece& p) {
-      result.weighted.push_back({take((p.a + p.b + p.c) / 3), weight});
+      const Vec3 sum = p.a + p.b + p.c;
+      for (const Vec3 corner : {p.a, p.b, p.c})
+        result.weighted.push_back({take(sum / 6 + 0.5 * corner), weight});
     });
     result.largest.push_back(largest);
   }

@@ -21,13 +21,13 @@ struct OneSidedDistance {
   std::vector<WorstElement> worst;  // the ten triangles farthest away, each at its farthest sample
 };
 
-// Every triangle of `from` is cut into equal pieces of sides up to the spacing. Mean, rms and p99 weigh the
-// distance at each piece's centre with its area. The maximum is bounded, not sampled: inside a piece the
-// distance to `to` is at most the largest distance of its corners to any one triangle of `to` (the distance
-// to a triangle is convex); where that bound exceeds the largest distance found by more than the tolerance,
-// the piece is quartered, to a depth of 12 and down to a millionth of the spacing. Closest points are exact.
-// Deterministic for any number of threads. About two microseconds a piece. Empty surfaces give zeros.
-// Preconditions: indices in range, points finite.
+// Every triangle of `from` is cut into equal pieces of sides up to the spacing. Mean, rms and p99 weigh with
+// its area the distance at three points of each piece, the rule that is exact for quadratic functions. The
+// maximum is bounded, not sampled: inside a piece the distance to `to` is at most the largest distance of its
+// corners to any one triangle of `to` (the distance to a triangle is convex); where that bound exceeds the
+// largest distance found by more than the tolerance, the piece is quartered, to a depth of 12 and down to a
+// millionth of the spacing. Closest points are exact. Deterministic for any number of threads. About two
+// microseconds a piece. Empty surfaces give zeros. Preconditions: indices in range, points finite.
 OneSidedDistance distance_to(const SurfaceMesh& from, const SpatialSearch& to, const DistanceOptions& options,
                              const Context& context);
 
