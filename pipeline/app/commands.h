@@ -35,5 +35,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 
 void add_run_command(CLI::App& app, Session& session);
 void add_quality_command(CLI::App& app, Session& session);
+void add_validate_command(CLI::App& app, Session& session);
+void add_stages_command(CLI::App& app, Session& session);
+void add_schema_command(CLI::App& app, Session& session);
 
 }  // namespace periost

@@ -19,6 +19,9 @@ namespace {
 void add_commands(CLI::App& app, Session& session) {
   add_run_command(app, session);
   add_quality_command(app, session);
+  add_validate_command(app, session);
+  add_stages_command(app, session);
+  add_schema_command(app, session);
 }
 
 int fail(ErrorKind kind, const std::string& code, const std::string& text, const std::string& hint = {}) {

@@ -146,6 +146,18 @@ Value entry_of(const PlanStep& step, const Plan& plan, const std::filesystem::pa
   return entry;
 }
 
+// The files of plugins that the steps need, however they were found: the resolved configuration names them
+// all.
+void add_used_plugins(Plan& plan, const Registry& registry) {
+  for (const PlanStep& step : plan.steps) {
+    const Registry::Entry* entry = registry.find(step.kind);
+    if (entry == nullptr || entry->origin == Registry().origin()) continue;
+    const std::filesystem::path file = entry->origin;
+    if (std::find(plan.plugins.begin(), plan.plugins.end(), file) == plan.plugins.end())
+      plan.plugins.push_back(file);
+  }
+}
+
 std::string_view name_of(Provenance::Paths paths) {
   return paths == Provenance::Paths::kFull ? "full" : paths == Provenance::Paths::kNone ? "none" : "basename";
 }
@@ -188,6 +200,7 @@ Plan make_plan(const Configuration& configuration, const Registry& registry, Dia
   const bool is_known = std::all_of(plan.steps.begin(), plan.steps.end(),
                                     [](const PlanStep& step) { return step.declaration != nullptr; });
   if (is_complete && is_known) plan.peak_bytes = peak_of(plan.steps);
+  add_used_plugins(plan, registry);
   sort_by_place(diagnostics);
   return plan;
 }
