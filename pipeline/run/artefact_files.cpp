@@ -5,6 +5,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/io/image_write.h"
 #include "pipeline/io/quality_json.h"
+#include "pipeline/io/simplex_write.h"
 #include "pipeline/io/surface_write.h"
 #include "pipeline/io/volume_write.h"
 
@@ -32,7 +33,8 @@ const std::array<KindFile, kArtefactKinds> kFiles{{
      [](const Artefact& a, const fs::path& path) { write_mask(path, value_of<Mask>(a)); }},
     {"isosurface.vtp", false,
      [](const Artefact& a, const fs::path& path) { write_surface(value_of<Isosurface>(a).surface, path); }},
-    {"", false, nullptr},
+    {"simplex_mesh.vtp", false,
+     [](const Artefact& a, const fs::path& path) { write_simplex_vtp(value_of<SimplexMesh>(a), path); }},
     {"surface.vtp", true,
      [](const Artefact& a, const fs::path& path) { write_surface(value_of<SurfaceMesh>(a), path); }},
     {"volume.vtu", true,
