@@ -6,7 +6,7 @@ set -euo pipefail
 
 out=${1:-$root/runs/cranium}
 mkdir -p "$root/build"
-"$root/scripts/setup.sh"
+"$root/scripts/setup.sh" --build-only
 say "building"
 build release --target periost periost-tetgen
 say "fetching the CT head of Debian's invesalius-examples"
