@@ -3,6 +3,8 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Programs are compiled as libraries are, so that they can share precompiled headers.
+set(CMAKE_CXX_COMPILE_OPTIONS_PIE -fPIC)
 
 find_program(PERIOST_CCACHE ccache)
 if(PERIOST_CCACHE)
@@ -34,3 +36,10 @@ if(PERIOST_COVERAGE)
   add_compile_options(--coverage -O0)
   add_link_options(--coverage)
 endif()
+
+# Gives a target the headers that periost_framework precompiled.
+function(periost_precompile target)
+  if(PERIOST_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM periost_framework)
+  endif()
+endfunction()
