@@ -1,10 +1,13 @@
-#include "pipeline/param/codec.h"
+#include "pipeline/param/scalar_codec.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
+#include <string_view>
 
 #include "pipeline/param/render.h"
 
