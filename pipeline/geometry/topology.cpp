@@ -242,6 +242,20 @@ std::string describe_violations(const Topology& topology) {
   return text;
 }
 
+std::string violation_code(const Topology& topology) {
+  constexpr std::pair<Violation, const char*> kCodes[] = {
+      {Violation::kNonFinitePoint, "surface.not_finite"},
+      {Violation::kDegenerateTriangle, "surface.degenerate"},
+      {Violation::kBoundaryEdge, "surface.open"},
+      {Violation::kNonManifoldEdge, "surface.not_manifold"},
+      {Violation::kPinchedVertex, "surface.not_manifold"},
+      {Violation::kMisorientedEdge, "surface.misoriented"}};
+  for (const auto& [kind, code] : kCodes) {
+    if (topology.violations(kind) > 0) return code;
+  }
+  return {};
+}
+
 double signed_volume(const SurfaceMesh& mesh) {
   if (mesh.triangles.empty()) return 0;
   // About a point of the surface, since a far origin would cost digits.

@@ -86,6 +86,10 @@ Topology examine_topology(const SurfaceMesh& mesh, std::size_t places_per_kind =
 // place in mm ("3 boundary edges, the first at (1.0, 2.0, 3.0) mm; ..."), or an empty text when nothing does.
 std::string describe_violations(const Topology& topology);
 
+// The error code of the most basic violation ("surface.open"), in the order not finite, degenerate, boundary,
+// non-manifold, pinched, misoriented; empty when there is none.
+std::string violation_code(const Topology& topology);
+
 // Enclosed volume in mm^3 by the divergence theorem, positive when normals point outward. Independent of the
 // origin for a closed surface only. Summed in the order of the triangles.
 double signed_volume(const SurfaceMesh& mesh);

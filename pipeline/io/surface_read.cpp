@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cstring>
 #include <numeric>
+#include <system_error>
 #include <tuple>
 
 #include "pipeline/base/error.h"
@@ -186,6 +187,25 @@ constexpr std::array<ReaderRow, 6> kReaders{{{".stl", read_stl},
                                              {".vtp", read_vtk_surface},
                                              {".vtk", read_vtk_surface}}};
 
+std::string lower_extension(const Path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+const ReaderRow& reader_of(const Path& path) {
+  const std::string extension = lower_extension(path);
+  const auto row = std::find_if(kReaders.begin(), kReaders.end(),
+                                [&](const ReaderRow& r) { return extension == r.extension; });
+  if (row == kReaders.end()) {
+    throw Error(ErrorKind::kInput, "surface.unknown_format",
+                fmt::format("'{}' is not of a surface format that can be read", path.string()),
+                "use .stl, .ply, .obj, .off, .vtp or .vtk");
+  }
+  return *row;
+}
+
 }  // namespace
 
 void merge_equal_points(SurfaceMesh& mesh) {
@@ -216,18 +236,21 @@ void merge_equal_points(SurfaceMesh& mesh) {
   }
 }
 
+void check_surface_file(const Path& path) {
+  reader_of(path);
+  std::error_code unknown;
+  if (std::filesystem::exists(path, unknown) && !std::filesystem::is_directory(path, unknown)) return;
+  throw Error(ErrorKind::kInput, "surface.missing", fmt::format("there is no file '{}'", path.string()),
+              "check the path; in a configuration, a relative one starts at the configuration's folder");
+}
+
+bool is_stl_file(const Path& path) {
+  return lower_extension(path) == ".stl";
+}
+
 SurfaceMesh read_surface(const Path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto row = std::find_if(kReaders.begin(), kReaders.end(),
-                                [&](const ReaderRow& r) { return extension == r.extension; });
-  if (row == kReaders.end()) {
-    throw Error(ErrorKind::kInput, "surface.unknown_format",
-                fmt::format("'{}' is not of a surface format that can be read", path.string()),
-                "use .stl, .ply, .obj, .off, .vtp or .vtk");
-  }
-  SurfaceMesh mesh = row->read(path);
+  check_surface_file(path);
+  SurfaceMesh mesh = reader_of(path).read(path);
   check(path, mesh);
   merge_equal_points(mesh);
   mesh.was_read = true;

@@ -18,20 +18,6 @@ constexpr char kFaultFile[] = "surface_faults.vtp";
 constexpr std::size_t kDrawn = 10000;  // triangles in the fault file, at most
 constexpr std::size_t kNamed = 3;      // places in the sentence
 
-struct TopologyFault {
-  Violation kind;
-  const char* code;
-};
-// Most basic first: that one names the error.
-constexpr TopologyFault kTopologyFaults[] = {
-    {Violation::kNonFinitePoint, "surface.not_finite"},
-    {Violation::kDegenerateTriangle, "surface.degenerate"},
-    {Violation::kBoundaryEdge, "surface.open"},
-    {Violation::kNonManifoldEdge, "surface.not_manifold"},
-    {Violation::kPinchedVertex, "surface.not_manifold"},
-    {Violation::kMisorientedEdge, "surface.misoriented"},
-};
-
 Vec3 centre_of(const SurfaceMesh& surface, Index triangle) {
   const auto& [a, b, c] = surface.triangles[triangle];
   return (surface.points[a] + surface.points[b] + surface.points[c]) / 3;
@@ -83,19 +69,16 @@ void check_indices(const SurfaceMesh& surface) {
 
 void check_topology(const SurfaceMesh& surface, const Context& context) {
   const Topology topology = examine_topology(surface, 1000);
-  for (const TopologyFault& fault : kTopologyFaults) {
-    if (topology.violations(fault.kind) == 0) continue;
-    std::set<Index> triangles;
-    for (const ViolationPlace& place : topology.places) {
-      // A pinched vertex is a point; its triangles would have to be searched for, and the sentence names it.
-      const bool is_point =
-          place.kind == Violation::kPinchedVertex || place.kind == Violation::kNonFinitePoint;
-      if (!is_point) triangles.insert(place.element);
-    }
-    const bool can_draw = fault.kind != Violation::kNonFinitePoint;
-    fail(surface, fault.code, describe_violations(topology),
-         can_draw ? draw(surface, triangles, context) : std::string());
+  const std::string code = violation_code(topology);
+  if (code.empty()) return;
+  std::set<Index> triangles;
+  for (const ViolationPlace& place : topology.places) {
+    // A pinched vertex is a point; its triangles would have to be searched for, and the sentence names it.
+    const bool is_point = place.kind == Violation::kPinchedVertex || place.kind == Violation::kNonFinitePoint;
+    if (!is_point) triangles.insert(place.element);
   }
+  fail(surface, code.c_str(), describe_violations(topology),
+       topology.is_finite() ? draw(surface, triangles, context) : std::string());
 }
 
 void check_areas(const SurfaceMesh& surface, const Context& context) {

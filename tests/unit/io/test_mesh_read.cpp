@@ -111,7 +111,7 @@ TEST_F(MeshRead, TextFormatsByHand) {
 }
 
 TEST_F(MeshRead, BrokenFilesAreRefusedWithAPlace) {
-  EXPECT_EQ(code_of(folder_ / "absent.stl"), "file.unreadable");
+  EXPECT_EQ(code_of(folder_ / "absent.stl"), "surface.missing");
   EXPECT_EQ(code_of(write("a.xyz", "1")), "surface.unknown_format");
   EXPECT_EQ(code_of(write("nan.off", "OFF\n3 1 0\n0 0 nan\n1 0 0\n0 1 0\n3 0 1 2\n")), "surface.not_finite");
   EXPECT_EQ(code_of(write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n")), "surface.bad_index");
