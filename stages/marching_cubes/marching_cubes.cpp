@@ -6,6 +6,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/parallel.h"
+#include "pipeline/geometry/isosurface_components.h"
 #include "stages/marching_cubes/slab.h"
 
 namespace periost {
@@ -102,6 +103,11 @@ Isosurface marching_cubes(const Image* image, const Mask& mask, const MarchingCu
     throw Error(ErrorKind::kInput, "marching_cubes.empty",
                 "the mask has no surface: it holds no voxel to bound",
                 "choose another threshold, or look at the mask");
+  }
+  if (options.keep.count > 0) {
+    const std::uint32_t dropped = keep_largest_surfaces(isosurface, options.keep.count);
+    if (dropped > 0)
+      context.info("marching_cubes.dropped", fmt::format("dropped {} smaller surfaces", dropped));
   }
   return isosurface;
 }

@@ -4,6 +4,7 @@
 #include "pipeline/base/context.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/isosurface.h"
+#include "pipeline/data/keep_components.h"
 #include "pipeline/data/mask.h"
 
 namespace periost {
@@ -12,6 +13,7 @@ struct MarchingCubesOptions {
   // Leave the surface open where the object touches the image border, instead of closing it with a flat cap
   // half a voxel outside the border voxels' centres.
   bool open = false;
+  KeepComponents keep{};  // connected surfaces that stay, by number of triangles
 };
 
 // The surface between the voxels inside the mask and those outside. With `image` and a mask that has a range,

@@ -19,7 +19,11 @@ class MarchingCubesStage final : public StageOf<MarchingCubesOptions> {
             {.closed = true, .manifold = true, .oriented = true})
         .param(
             "open", &MarchingCubesOptions::open, Quantity::kNone, Range::any(),
-            "Leave the surface open where the object touches the image border, instead of closing it there.");
+            "Leave the surface open where the object touches the image border, instead of closing it there.")
+        .param("keep", &MarchingCubesOptions::keep, Quantity::kCount, Range::any(),
+               "Connected surfaces that stay, those with the most triangles first. Voxels that touch at a "
+               "corner are "
+               "one component of a mask and yet two bodies of a mesh; a dropped cavity is filled.");
   }
 
   void preflight(const MarchingCubesOptions& /*options*/, Preflight& preflight) const override {

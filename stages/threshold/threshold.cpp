@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <vector>
 
 #include "pipeline/base/error.h"
@@ -120,27 +119,7 @@ void fill_cavities(Mask& mask, double up_to_mm3, const Context& context) {
                                                  static_cast<double>(voxels) * voxel));
 }
 
-template <class T>
-std::optional<T> parse_whole(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 }  // namespace
-
-std::optional<KeepComponents> KeepComponents::parse(std::string_view text) {
-  if (text == "all") return KeepComponents{0};
-  if (text == "largest") return KeepComponents{1};
-  const auto count = parse_whole<std::uint32_t>(text);
-  if (!count || *count == 0 || text.front() == '0') return std::nullopt;
-  return KeepComponents{*count};
-}
-
-std::string KeepComponents::text() const {
-  return count == 0 ? "all" : count == 1 ? "largest" : std::to_string(count);
-}
 
 std::optional<FillHoles> FillHoles::parse(std::string_view text) {
   if (text == "auto") return FillHoles{};

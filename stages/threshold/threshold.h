@@ -8,19 +8,10 @@
 
 #include "pipeline/base/context.h"
 #include "pipeline/data/image.h"
+#include "pipeline/data/keep_components.h"
 #include "pipeline/data/mask.h"
 
 namespace periost {
-
-// How many components are kept, the largest first: `all`, `largest`, or a number.
-struct KeepComponents {
-  std::uint32_t count = 0;  // 0: all
-
-  static std::optional<KeepComponents> parse(std::string_view text);
-  std::string text() const;
-  static std::string form() { return "all | largest | a whole number"; }
-  friend bool operator==(const KeepComponents&, const KeepComponents&) = default;
-};
 
 // Which enclosed cavities are filled: `none`, `all`, those up to a volume in mm^3, or `auto`.
 struct FillHoles {

@@ -109,6 +109,41 @@ TEST(MarchingCubes, IsClosedAndManifoldOnNoiseWithTies) {
   }
 }
 
+TEST(MarchingCubes, KeepsTheLargestSurfacesAndTheirCells) {
+  const Context context;
+  const Image image = noise({17, 14, 12}, 5, 4);
+  const Isosurface all = marching_cubes(image, {.lower = 3}, {}, context);
+  const std::size_t components = examine_topology(all.surface).components;
+  ASSERT_GT(components, 3u);
+  std::size_t previous = 0;
+  for (const std::uint32_t count : {1u, 2u, 3u}) {
+    const Isosurface kept = marching_cubes(image, {.lower = 3}, {.keep = {count}}, context);
+    expect_sound(kept, "keep " + std::to_string(count));
+    EXPECT_EQ(examine_topology(kept.surface).components, count);
+    EXPECT_GT(kept.surface.triangles.size(), previous);
+    previous = kept.surface.triangles.size();
+    std::size_t in_cells = 0;
+    for (std::int32_t k = -1; k < image.frame.dims[2]; ++k) {
+      for (std::int32_t j = -1; j < image.frame.dims[1]; ++j) {
+        for (std::int32_t i = -1; i < image.frame.dims[0]; ++i) {
+          const auto [begin, end] = kept.triangles_of_cell(i, j, k);
+          for (Index t = begin; t < end; ++t, ++in_cells) {
+            for (const Index v : kept.surface.triangles[t]) {
+              const Vec3 local =
+                  image.frame.to_index(kept.surface.points[v]) - Vec3{i + 0.5, j + 0.5, k + 0.5};
+              EXPECT_LE(std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)}), 0.5 + 1e-9);
+            }
+          }
+        }
+      }
+    }
+    EXPECT_EQ(in_cells, previous);
+  }
+  const std::uint32_t more = static_cast<std::uint32_t>(components) + 5;
+  EXPECT_EQ(marching_cubes(image, {.lower = 3}, {.keep = {more}}, context).surface.triangles,
+            all.surface.triangles);
+}
+
 TEST(MarchingCubes, NeverCrossesItselfOnNoise) {
   const Context context;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {
