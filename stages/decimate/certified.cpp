@@ -19,6 +19,7 @@ constexpr int kStages = 6;                // removal stages by cost
 constexpr int kFinalRounds = 8;           // relocations and removals after the last stage
 constexpr double kWorthwhile = 0.005;     // part of the vertices a final round must remove to go on
 constexpr int kAngleRounds = 3;
+constexpr int kSliverRounds = 8;
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
 // the limit itself removals would stop at twice the triangles.
 constexpr int kTopologySlack = 3;
@@ -139,6 +140,8 @@ void run_schedule(CertifiedState& state, Worker& worker, const Context& context)
   sweep(state, worker, context, fit_pass);
   state.limits.topology -= kTopologySlack;
   sweep(state, worker, context, swap_pass);
+  state.limits.worst_angle_first = true;
+  for (int round = 0; round < kSliverRounds; ++round) sweep(state, worker, context, sliver_pass);
 }
 
 SurfaceMesh extract_surface(const CertifiedState& state) {

@@ -149,16 +149,16 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
 bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
                   double* gain) {
   const double cosine = std::cos(limits.min_angle);
+  const auto weighed = [&](const std::array<Vec3, 3>& corners) {
+    const double deficit = angle_deficit(corners, limits.min_angle, cosine);
+    return limits.worst_angle_first ? deficit * deficit * deficit * deficit : deficit;
+  };
   const BeforeView before{mesh};
   const AfterView after{mesh, proposal};
   double old_sum = 0, new_sum = 0;
-  for (const LinkedTriangle& cell : proposal.cells) {
-    new_sum += angle_deficit(corners_of(after, cell), limits.min_angle, cosine);
-  }
+  for (const LinkedTriangle& cell : proposal.cells) new_sum += weighed(corners_of(after, cell));
   if (new_sum == 0 && !gain) return true;
-  for (const Index t : proposal.before) {
-    old_sum += angle_deficit(corners_of(before, mesh.triangles[t]), limits.min_angle, cosine);
-  }
+  for (const Index t : proposal.before) old_sum += weighed(corners_of(before, mesh.triangles[t]));
   if (gain) *gain = old_sum - new_sum;
   return new_sum <= old_sum;
 }

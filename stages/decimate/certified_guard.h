@@ -32,6 +32,9 @@ struct GuardLimits {
   int max_valence = 9;
   double fold_cosine = 0.4;        // least product of a new normal with the isosurface's or the old one
   double dihedral_cosine = -0.94;  // least product of the normals over an edge: angles of 20 degrees and more
+  // Deficits of angles count by their fourth power, so that the worst angle may rise at the cost of better
+  // ones.
+  bool worst_angle_first = false;
 };
 
 // Smallest angle of a triangle, radians; 0 when degenerate.

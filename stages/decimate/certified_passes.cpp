@@ -1,6 +1,7 @@
 #include "stages/decimate/certified_passes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace periost {
@@ -9,6 +10,7 @@ namespace {
 constexpr double kRelocationStrength = 0.3;
 constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
 constexpr int kSwapRounds = 4;        // around one removal
+constexpr double kSliverAngle = 0.4;  // radians: under it a triangle is a sliver
 
 struct Candidate {
   double cost;
@@ -157,10 +159,59 @@ bool mend_triangle(CertifiedState& state, Worker& worker, Index t) {
   return false;
 }
 
-bool has_bad_angle(const CertifiedState& state, Index t) {
+// Places around a vertex in many directions along the surface and off it, near and far.
+void surrounding_places(const CertifiedState& state, Index vertex, const Star& star,
+                        std::vector<Vec3>& places) {
+  const Vec3 here = state.mesh.points[vertex];
+  const Vec3 normal = star_normal(state.mesh, star, vertex);
+  const Vec3 towards = state.mesh.points[star.link[0]] - here;
+  const Vec3 x = normalized(towards - normal * dot(towards, normal));
+  const Vec3 y = cross(normal, x);
+  double size = 0;
+  for (const Index v : star.link) size += distance(state.mesh.points[v], here);
+  size /= static_cast<double>(star.link.size());
+  places.clear();
+  constexpr int kDirections = 12;
+  for (const double part : {0.05, 0.15, 0.4}) {
+    for (int d = 0; d < kDirections; ++d) {
+      const double angle = 6.283185307179586 * d / kDirections;
+      const Vec3 along = (x * std::cos(angle) + y * std::sin(angle)) * (part * size);
+      for (const double height : {0.0, 0.5, -0.5}) {
+        places.push_back(here + along + normal * (height * part * size));
+      }
+    }
+  }
+}
+
+bool move_around(CertifiedState& state, Worker& worker, Index vertex) {
+  Star star;
+  std::vector<Vec3> places;
+  if (state.mesh.is_locked[vertex] || !gather_star(state.mesh, vertex, star)) return false;
+  surrounding_places(state, vertex, star, places);
+  return std::any_of(places.begin(), places.end(),
+                     [&](const Vec3& place) { return try_relocation(state, worker, vertex, place, true); });
+}
+
+bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
+  if (mend_triangle(state, worker, t)) return true;
+  const auto corner = state.mesh.triangles[t].corner;
+  for (const Index v : corner) {
+    if (move_around(state, worker, v)) return true;
+  }
+  Star star;
+  for (const Index v : corner) {
+    if (!gather_star(state.mesh, v, star)) continue;
+    const std::vector<Index> link(star.link.begin(), star.link.end());
+    for (const Index neighbour : link) {
+      if (move_around(state, worker, neighbour)) return true;
+    }
+  }
+  return false;
+}
+
+bool has_angle_under(const CertifiedState& state, Index t, double limit) {
   const auto& c = state.mesh.triangles[t].corner;
-  return min_angle({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) <
-         state.limits.min_angle;
+  return min_angle({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) < limit;
 }
 
 }  // namespace
@@ -245,7 +296,17 @@ void angle_pass(CertifiedState& state, Worker& worker, VertexRange range) {
   for (Index v = range.first; v < range.second; ++v) {
     if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
     for (const Index t : star.triangle) {
-      if (has_bad_angle(state, t) && mend_triangle(state, worker, t)) break;
+      if (has_angle_under(state, t, state.limits.min_angle) && mend_triangle(state, worker, t)) break;
+    }
+  }
+}
+
+void sliver_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+  Star star;
+  for (Index v = range.first; v < range.second; ++v) {
+    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+    for (const Index t : star.triangle) {
+      if (has_angle_under(state, t, kSliverAngle) && mend_sliver(state, worker, t)) break;
     }
   }
 }

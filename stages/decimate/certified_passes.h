@@ -31,6 +31,10 @@ void relocation_pass(CertifiedState& state, Worker& worker, VertexRange range);
 // fall.
 void angle_pass(CertifiedState& state, Worker& worker, VertexRange range);
 
+// Raises the worst angles: triangles far under the limit are mended by the same moves and by moving their
+// corners and the neighbours of these in many directions. To be run with limits.worst_angle_first.
+void sliver_pass(CertifiedState& state, Worker& worker, VertexRange range);
+
 // Moves vertices along the normal by half the mean signed height of the isosurface over their triangles, so
 // that the enclosed volume is kept. Does nothing without the reverse certificate, whose homes it reads.
 void fit_pass(CertifiedState& state, Worker& worker, VertexRange range);
