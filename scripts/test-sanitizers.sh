@@ -6,7 +6,7 @@ set -euo pipefail
 . "$(dirname "$0")/lib.sh"
 mkdir -p "$root/build"
 
-gate=(base config geometry)
+gate=(base config geometry io param)
 if [ "${1:-}" = "--all" ]; then
   pattern='^unit\.'
   targets=()
