@@ -12,6 +12,10 @@ constexpr double kSlack = 1e-9;  // sums of deficits that differ by rounding cou
 struct BeforeView {
   const CertifiedMesh& mesh;
   const LinkedTriangle& cell(Index t) const { return mesh.triangles[t]; }
+  // The triangle across the edge opposite to corner k.
+  const LinkedTriangle& beside(const LinkedTriangle& cell, std::size_t k) const {
+    return mesh.triangles[cell.across[k]];
+  }
   Vec3 point(Index v) const { return mesh.points[v]; }
   int valence(Index v) const { return mesh.valence[v]; }
 };
@@ -21,6 +25,20 @@ struct AfterView {
   const CertifiedMesh& mesh;
   const Proposal& proposal;
   const LinkedTriangle& cell(Index t) const { return proposal.cell_of(mesh, t); }
+  // A triangle outside the ring still names the one that lay across its edge before: the new one is found by
+  // the edge.
+  const LinkedTriangle& beside(const LinkedTriangle& cell, std::size_t k) const {
+    if (!proposal.before.contains(cell.across[k])) return mesh.triangles[cell.across[k]];
+    const auto has = [](const LinkedTriangle& t, Index v) {
+      return t.corner[0] == v || t.corner[1] == v || t.corner[2] == v;
+    };
+    for (const LinkedTriangle& other : proposal.cells) {
+      if (&other != &cell && has(other, cell.corner[(k + 1) % 3]) && has(other, cell.corner[(k + 2) % 3])) {
+        return other;
+      }
+    }
+    return proposal.cell_of(mesh, cell.across[k]);
+  }
   Vec3 point(Index v) const { return proposal.point_of(mesh, v); }
   int valence(Index v) const { return proposal.valence_of(mesh, v); }
 };
@@ -31,8 +49,8 @@ std::array<Vec3, 3> corners_of(const View& view, const LinkedTriangle& t) {
 }
 
 template <class View>
-Vec3 centre_of(const View& view, Index t) {
-  const auto c = corners_of(view, view.cell(t));
+Vec3 centre_of(const View& view, const LinkedTriangle& t) {
+  const auto c = corners_of(view, t);
   return (c[0] + c[1] + c[2]) / 3;
 }
 
@@ -60,7 +78,7 @@ int topology_deficit(const View& view, Index t, int limit) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (cell.across[k] == kNoIndex) continue;
     const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
-    const LinkedTriangle& other = view.cell(cell.across[k]);
+    const LinkedTriangle& other = view.beside(cell, k);
     const Index opposite = other.corner[3 - other.slot_of(u) - other.slot_of(v)];
     const int d = view.valence(u) + view.valence(v) - view.valence(cell.corner[k]) - view.valence(opposite);
     sum += std::max(0, std::abs(d) - limit);
@@ -74,9 +92,10 @@ double barycentric_deficit(const View& view, Index t, double limit) {
   for (const Index n : cell.across) {
     if (n == kNoIndex) return 0;
   }
-  return std::max(
-      0.0, limit - smallest_barycentric(centre_of(view, t), centre_of(view, cell.across[0]),
-                                        centre_of(view, cell.across[1]), centre_of(view, cell.across[2])));
+  return std::max(0.0,
+                  limit - smallest_barycentric(centre_of(view, cell), centre_of(view, view.beside(cell, 0)),
+                                               centre_of(view, view.beside(cell, 1)),
+                                               centre_of(view, view.beside(cell, 2))));
 }
 
 // Excess of the dihedral over its limit, for the half-edges of one triangle.
