@@ -26,10 +26,6 @@ double barycentric_deficit(const SimplexMesh& mesh, SimplexVertex v, double leas
   return deficit;
 }
 
-int negative_topology_deficit(const SimplexMesh& mesh, SimplexEdge edge, int most) {
-  return std::max(0, -topological_criterion(mesh, edge) - most);
-}
-
 double distance_deficit(const Isosurface& isosurface, Vec3 p, Vec3 unit_normal, double tolerance_mm) {
   if (closest_along_line(isosurface, p, unit_normal, tolerance_mm)) return 0;
   const auto closest = closest_point(isosurface, p, 3 * tolerance_mm);
@@ -53,21 +49,6 @@ double centre_distance_deficit(const Isosurface& isosurface, const SimplexMesh& 
   });
   if (squared_norm(normal) == 0) return 2 * tolerance_mm;
   return distance_deficit(isosurface, centre, normalized(normal), tolerance_mm);
-}
-
-Deficits measure_deficits(const Isosurface& isosurface, const SimplexMesh& mesh, const Criteria& criteria) {
-  Deficits deficits;
-  deficits.barycentric.resize(mesh.face.size());
-  deficits.distance.resize(mesh.face.size());
-  deficits.centre.resize(mesh.valence.size());
-  for (std::uint32_t v = 0; v < mesh.face.size(); ++v) {
-    deficits.barycentric[v] = barycentric_deficit(mesh, SimplexVertex{v}, criteria.min_barycentric);
-    deficits.distance[v] = vertex_distance_deficit(isosurface, mesh, SimplexVertex{v}, criteria.distance_mm);
-  }
-  for (std::uint32_t f = 0; f < mesh.valence.size(); ++f) {
-    deficits.centre[f] = centre_distance_deficit(isosurface, mesh, SimplexFace{f}, criteria.distance_mm);
-  }
-  return deficits;
 }
 
 }  // namespace periost

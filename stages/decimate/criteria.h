@@ -24,9 +24,6 @@ inline constexpr std::uint32_t kMostVerticesOfAFace = 9;
 // are collinear.
 double barycentric_deficit(const SimplexMesh& mesh, SimplexVertex v, double least);
 
-// What the D of an edge lacks to -`most`.
-int negative_topology_deficit(const SimplexMesh& mesh, SimplexEdge edge, int most);
-
 // How far `p` lies beyond `tolerance_mm` of the part of the isosurface that faces the same way as
 // `unit_normal`; tries the normal line, then the exact closest point. Beyond three tolerances, two
 // tolerances.
@@ -37,13 +34,12 @@ double vertex_distance_deficit(const Isosurface& isosurface, const SimplexMesh& 
 double centre_distance_deficit(const Isosurface& isosurface, const SimplexMesh& mesh, SimplexFace f,
                                double tolerance_mm);
 
-// The deficits of all elements as they stand; dead elements keep stale values. Elements of different
-// components may be updated from different threads.
+// The deficits of all elements as they stand (contour_model.h measures them); dead elements keep stale
+// values. Elements of different components may be updated from different threads.
 struct Deficits {
   std::vector<double> barycentric;  // of vertices
   std::vector<double> distance;     // of vertices
   std::vector<double> centre;       // of faces
 };
-Deficits measure_deficits(const Isosurface& isosurface, const SimplexMesh& mesh, const Criteria& criteria);
 
 }  // namespace periost

@@ -1,7 +1,5 @@
 #include "stages/decimate/decimate.h"
 
-#include <fmt/format.h>
-
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/simplex_dual.h"
 #include "stages/decimate/certified.h"
@@ -9,21 +7,6 @@
 
 namespace periost {
 namespace {
-
-void refuse_contours(const SimplexMesh& mesh) {
-  for (std::size_t v = 0; v < mesh.neighbour.size(); ++v) {
-    for (const SimplexVertex w : mesh.neighbour[v]) {
-      if (w != kNoVertex) continue;
-      const Vec3 p = mesh.position[v];
-      throw Error(
-          ErrorKind::kQuality, "decimate.open_surface",
-          fmt::format("the isosurface is open near ({:.3f}, {:.3f}, {:.3f}) mm, and `method: paper` "
-                      "decimates closed surfaces only",
-                      p.x, p.y, p.z),
-          "leave out `open: true` of marching_cubes, so that the surface is closed at the image border");
-    }
-  }
-}
 
 // The components with fewer triangles than asked die as a whole.
 void drop_small_components(SimplexMesh& mesh, int least_triangles) {
@@ -51,10 +34,13 @@ SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& option
   const double distance_mm = options.distance.in_mm(voxel_mm);
   const std::uint64_t seed = options.seed != 0 ? options.seed : context.seed;
   SimplexMesh mesh = dual_simplex_mesh(isosurface.surface);
-  refuse_contours(mesh);
   if (options.small_components == SmallComponents::kDrop)
     drop_small_components(mesh, options.small_triangles);
-  decimate_paper(isosurface, options, distance_mm, seed, mesh, context);
+  ContouredMesh model{std::move(mesh), {}};
+  model.contours = close_contours(model.mesh, isosurface.frame);
+  decimate_paper(isosurface, options, distance_mm, seed, {}, model, context);
+  open_contours(model.mesh, model.contours);
+  mesh = std::move(model.mesh);
   compact(mesh);
   PERIOST_ASSERT(check_simplex_mesh(mesh).empty());
   mesh.report.triangles_before = isosurface.surface.triangles.size();

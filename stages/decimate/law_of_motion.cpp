@@ -2,8 +2,10 @@
 
 #include <cmath>
 
+#include "pipeline/geometry/isosurface_contour.h"
 #include "pipeline/geometry/isosurface_query.h"
 #include "pipeline/geometry/simplex_walk.h"
+#include "stages/decimate/contour_model.h"
 
 namespace periost {
 namespace {
@@ -44,7 +46,13 @@ void gather_neighbourhood(const SimplexMesh& mesh, const std::vector<SimplexVert
 const std::vector<SimplexVertex>& LawOfMotion::select(const SimplexMesh& mesh,
                                                       const std::vector<SimplexVertex>& seeds) {
   gather_neighbourhood(mesh, seeds, options_.rigidity, marks_, moved_);
+  std::erase_if(moved_, [&](SimplexVertex v) { return side_of(v) == kFixedContour; });
   return moved_;
+}
+
+std::uint8_t LawOfMotion::side_of(SimplexVertex v) const {
+  return contours_ == nullptr || contours_->contours.empty() ? kInside
+                                                             : contours_->contours.side[index_of(v)];
 }
 
 // Lists Q^s of every moved vertex once, since connectivity does not change between the iterations.
@@ -63,6 +71,7 @@ void LawOfMotion::build_samples(const SimplexMesh& mesh) {
       const std::size_t end = of_.size();
       for (; begin < end; ++begin) {
         for (const SimplexVertex w : mesh.neighbour[index_of(sampled_[of_[begin]])]) {
+          if (side_of(w) != side_of(moved_[i])) continue;  // a contour's angles are not the surface's
           const std::uint32_t local = marks_.local[index_of(w)];
           bool listed = false;
           for (std::size_t j = start; j < of_.size() && !listed; ++j) listed = of_[j] == local;
@@ -75,11 +84,20 @@ void LawOfMotion::build_samples(const SimplexMesh& mesh) {
   for (const SimplexVertex v : sampled_) marks_.local[index_of(v)] = kNoIndex;
 }
 
+SimplexParameters LawOfMotion::parameters_of(const SimplexMesh& mesh, SimplexVertex v) const {
+  const std::uint8_t side = side_of(v);
+  if (side == kInside) return simplex_parameters(mesh, v);
+  if (side != kFixedContour) return contour_parameters(*contours_, mesh, v);
+  SimplexParameters none;
+  none.is_degenerate = true;
+  return none;
+}
+
 void LawOfMotion::measure(const SimplexMesh& mesh) {
   parameters_.resize(sampled_.size());
   angle_.resize(sampled_.size());
   for (std::size_t i = 0; i < sampled_.size(); ++i) {
-    parameters_[i] = simplex_parameters(mesh, sampled_[i]);
+    parameters_[i] = parameters_of(mesh, sampled_[i]);
     angle_[i] = parameters_[i].is_degenerate ? 0 : simplex_angle(parameters_[i]);
   }
 }
@@ -90,13 +108,29 @@ LawOfMotion::Target LawOfMotion::find_target(Vec3 p, Vec3 normal) const {
   return {hit->point, triangle_normal(isosurface_, hit->triangle), true};
 }
 
+LawOfMotion::Target LawOfMotion::find_contour_target(const SimplexMesh& mesh, std::size_t i) const {
+  const Vec3 direction = contour_direction(*contours_, mesh, moved_[i]);
+  const auto closest = closest_on_contour(isosurface_, contours_->open, position_of(mesh, moved_[i]),
+                                          direction, options_.reach_mm);
+  if (!closest) return {};
+  return {closest->point, contour_normal(*contours_, side_of(moved_[i]), closest->direction), true};
+}
+
+Vec3 LawOfMotion::middle_of_neighbours(const SimplexMesh& mesh, SimplexVertex v) const {
+  const auto& around = mesh.neighbour[index_of(v)];
+  if (side_of(v) != kInside) {
+    const SimplexParameters s = parameters_of(mesh, v);
+    return s.foot + (0.5 - s.barycentric[1]) * contour_direction(*contours_, mesh, v);
+  }
+  return (position_of(mesh, around[0]) + position_of(mesh, around[1]) + position_of(mesh, around[2])) / 3.0;
+}
+
 Vec3 LawOfMotion::force_on(const SimplexMesh& mesh, std::size_t i) const {
   const SimplexVertex v = moved_[i];
   const SimplexParameters& s = parameters_[i];
-  const auto& around = mesh.neighbour[index_of(v)];
   const Vec3 p = position_of(mesh, v);
-  const Vec3 centroid =
-      (position_of(mesh, around[0]) + position_of(mesh, around[1]) + position_of(mesh, around[2])) / 3.0;
+  if (s.is_degenerate && side_of(v) != kInside) return {};
+  const Vec3 centroid = middle_of_neighbours(mesh, v);
   if (s.is_degenerate) return 0.5 * (centroid - p);
   double mean = 0;
   for (std::uint32_t j = first_[i]; j < first_[i + 1]; ++j) mean += angle_[of_[j]];
@@ -122,13 +156,17 @@ void LawOfMotion::deform(SimplexMesh& mesh) {
     for (std::size_t i = 0; i < count; ++i) {
       const Vec3 p = position_of(mesh, moved_[i]);
       if (iteration == 0) {
-        target_[i] = parameters_[i].is_degenerate ? Target{} : find_target(p, parameters_[i].normal);
+        target_[i] = parameters_[i].is_degenerate    ? Target{}
+                     : side_of(moved_[i]) != kInside ? find_contour_target(mesh, i)
+                                                     : find_target(p, parameters_[i].normal);
       }
       next_[i] = p + (1 - options_.damping) * (p - previous_[i]) + force_on(mesh, i);
     }
     for (std::size_t i = 0; i < count; ++i) {
       previous_[i] = position_of(mesh, moved_[i]);
-      mesh.position[index_of(moved_[i])] = next_[i];
+      const std::uint8_t side = side_of(moved_[i]);
+      mesh.position[index_of(moved_[i])] =
+          side == kInside ? next_[i] : on_border_plane(isosurface_.frame, side, next_[i]);
     }
   }
 }

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/base/error.h"
 #include "pipeline/base/parallel.h"
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/simplex_dual.h"
 #include "pipeline/geometry/simplex_operators.h"
-#include "stages/decimate/criteria.h"
+#include "stages/decimate/contour_model.h"
 #include "stages/decimate/law_of_motion.h"
 
 namespace periost {
@@ -18,10 +19,11 @@ enum class Outcome { kAccepted, kRefused, kNotIndicated };
 
 // What all components share; each touches its own entries only.
 struct Shared {
-  const Isosurface& isosurface;
+  const ContourModel contours;
   const Criteria criteria;
   const MotionOptions motion;
   SimplexMesh& mesh;
+  const std::vector<std::uint8_t>& start;  // of vertices; empty: all
   Deficits deficits;
   MotionMarks marks;
   std::vector<std::uint8_t> unprocessed;  // label of edge (v, k) at 3 v + k, kept at both of its ends
@@ -35,7 +37,7 @@ class ComponentDecimator {
         mesh_(shared.mesh),
         vertices_(vertices),
         random_(random),
-        law_(shared.isosurface, shared.motion, shared.marks) {}
+        law_(shared.contours.isosurface, shared.motion, shared.marks, &shared.contours) {}
 
   void run(Progress& progress);
   const DecimationReport& report() const { return report_; }
@@ -47,6 +49,11 @@ class ComponentDecimator {
                         double removed_distance, double removed_centre);
   bool check_barycentric(double before);
   bool check_distance(double vertices_before, double centres_before);
+  bool keeps_contours_on_removal(SimplexEdge edge, const EdgeFaces& f) const;
+  bool keeps_contours_on_swap(SimplexEdge edge, const EdgeFaces& f) const;
+  bool has_chord(SimplexFace face) const;
+  bool is_hole(SimplexFace face) const { return shared_.contours.contours.is_over_hole(face); }
+  std::uint32_t crowding_of(SimplexFace face) const { return crowding(shared_.contours, mesh_, face); }
   int topology_sum();
   void add_vertices_of(SimplexFace face);
   void commit();
@@ -84,6 +91,7 @@ void ComponentDecimator::label_around(SimplexVertex v) {
 }
 
 void ComponentDecimator::add_vertices_of(SimplexFace face) {
+  if (is_hole(face)) return;
   for_each_vertex(mesh_, face, [&](SimplexVertex v) {
     if (std::find(around_faces_.begin(), around_faces_.end(), v) == around_faces_.end())
       around_faces_.push_back(v);
@@ -96,7 +104,10 @@ void ComponentDecimator::add_vertices_of(SimplexFace face) {
 int ComponentDecimator::topology_sum() {
   int sum = 0;
   for (const SimplexVertex v : around_faces_) {
-    for (int k = 0; k < 3; ++k) sum += negative_topology_deficit(mesh_, {v, k}, shared_.criteria.topology);
+    for (int k = 0; k < 3; ++k) {
+      const int d = topological_criterion(shared_.contours, mesh_, {v, k});
+      sum += std::max(0, -d - shared_.criteria.topology);
+    }
   }
   return sum;
 }
@@ -106,7 +117,7 @@ bool ComponentDecimator::check_barycentric(double before) {
   double after = 0;
   barycentric_.clear();
   for (const SimplexVertex v : touched_) {
-    barycentric_.push_back(barycentric_deficit(mesh_, v, shared_.criteria.min_barycentric));
+    barycentric_.push_back(barycentric_deficit(shared_.contours, mesh_, v, shared_.criteria.min_barycentric));
     after += barycentric_.back();
     if (after > limit) return false;
   }
@@ -119,14 +130,14 @@ bool ComponentDecimator::check_distance(double vertices_before, double centres_b
   double after = 0;
   distance_.clear();
   for (const SimplexVertex v : touched_) {
-    distance_.push_back(vertex_distance_deficit(shared_.isosurface, mesh_, v, tolerance));
+    distance_.push_back(distance_deficit(shared_.contours, mesh_, v, tolerance));
     after += distance_.back();
     if (after > vertices_before + slack) return false;
   }
   after = 0;
   centre_.clear();
   for (const SimplexFace f : faces_) {
-    centre_.push_back(centre_distance_deficit(shared_.isosurface, mesh_, f, tolerance));
+    centre_.push_back(centre_deficit(shared_.contours, mesh_, f, tolerance));
     after += centre_.back();
     if (after > centres_before + slack) return false;
   }
@@ -175,16 +186,64 @@ void ComponentDecimator::commit() {
   journal_.clear();
 }
 
+// A face over a hole is nobody's to merge or turn: only the edge between a contour vertex and its inner
+// neighbour can go, which shortens the contour by an edge. Fixed contours keep every edge, and what sew()
+// asks for: two inner vertices to a face.
+bool ComponentDecimator::keeps_contours_on_removal(SimplexEdge edge, const EdgeFaces& f) const {
+  const ContourModel& model = shared_.contours;
+  if (model.contours.empty()) return true;
+  if (is_hole(f.left) || is_hole(f.right)) return false;
+  const bool left_ends = is_border_face(model, mesh_, f.left),
+             right_ends = is_border_face(model, mesh_, f.right);
+  for (const SimplexFace opposite : {f.opposite_v, f.opposite_w}) {
+    if (!is_hole(opposite) && is_on_fixed_contour(model, mesh_, opposite) && valence_of(mesh_, opposite) <= 4)
+      return false;
+  }
+  const SimplexVertex w = neighbour_of(mesh_, edge.vertex, edge.slot);
+  const SimplexVertex on_contour = model.contours.is_on_contour(edge.vertex) ? edge.vertex : w;
+  if (!model.contours.is_on_contour(on_contour)) return !(left_ends && right_ends);
+  return model.contours.side[index_of(on_contour)] != kFixedContour &&
+         !(is_pinned(model, mesh_, f.left) && is_pinned(model, mesh_, f.right));
+}
+
+bool ComponentDecimator::keeps_contours_on_swap(SimplexEdge edge, const EdgeFaces& f) const {
+  const ContourModel& model = shared_.contours;
+  if (model.contours.empty()) return true;
+  for (const SimplexFace face : {f.left, f.right, f.opposite_v, f.opposite_w}) {
+    if (is_hole(face)) return false;
+  }
+  for (const SimplexFace face : {f.left, f.right}) {
+    if (is_on_fixed_contour(model, mesh_, face) && valence_of(mesh_, face) <= 4) return false;
+  }
+  PERIOST_ASSERT(!model.contours.is_on_contour(edge.vertex));
+  return !(is_on_fixed_contour(model, mesh_, f.opposite_v) &&
+           is_on_fixed_contour(model, mesh_, f.opposite_w));
+}
+
+// Whether an edge inside joins `face` to another face of a fixed contour.
+bool ComponentDecimator::has_chord(SimplexFace face) const {
+  const ContourModel& model = shared_.contours;
+  if (model.contours.empty() || !is_on_fixed_contour(model, mesh_, face)) return false;
+  bool found = false;
+  for_each_vertex(mesh_, face, [&](SimplexVertex v) {
+    const int slot = slot_of(mesh_, v, face);
+    const SimplexVertex w = neighbour_of(mesh_, v, previous_slot(slot));
+    if (model.contours.is_on_contour(v) || model.contours.is_on_contour(w)) return;
+    found = found || is_on_fixed_contour(model, mesh_, face_of(mesh_, v, next_slot(slot)));
+  });
+  return found;
+}
+
 // Section 4.3. A swap is indicated where it lowers the sum of (valence - 6)^2: D > 2.
 Outcome ComponentDecimator::try_swap(SimplexEdge edge) {
-  if (topological_criterion(mesh_, edge) <= 2) return Outcome::kNotIndicated;
-  if (legality_of_swap(mesh_, edge) != Legality::kLegal) {
+  if (topological_criterion(shared_.contours, mesh_, edge) <= 2) return Outcome::kNotIndicated;
+  const EdgeFaces f = faces_of(mesh_, edge);
+  if (!keeps_contours_on_swap(edge, f) || legality_of_swap(mesh_, edge) != Legality::kLegal) {
     ++report_.rejected_link;
     return Outcome::kRefused;
   }
-  const EdgeFaces f = faces_of(mesh_, edge);
-  if (valence_of(mesh_, f.opposite_v) >= kMostVerticesOfAFace ||
-      valence_of(mesh_, f.opposite_w) >= kMostVerticesOfAFace) {
+  if (crowding_of(f.opposite_v) >= kMostVerticesOfAFace ||
+      crowding_of(f.opposite_w) >= kMostVerticesOfAFace) {
     ++report_.rejected_topology;
     return Outcome::kRefused;
   }
@@ -201,13 +260,9 @@ Outcome ComponentDecimator::try_swap(SimplexEdge edge) {
 
 // Section 4.4.
 Outcome ComponentDecimator::try_removal(SimplexEdge edge) {
-  if (legality_of_removal(mesh_, edge) != Legality::kLegal) {
-    ++report_.rejected_link;
-    return Outcome::kRefused;
-  }
   const EdgeFaces f = faces_of(mesh_, edge);
-  if (valence_of(mesh_, f.left) + valence_of(mesh_, f.right) - 4 > kMostVerticesOfAFace) {
-    ++report_.rejected_topology;
+  if (!keeps_contours_on_removal(edge, f) || legality_of_removal(mesh_, edge) != Legality::kLegal) {
+    ++report_.rejected_link;
     return Outcome::kRefused;
   }
   around_faces_.clear();
@@ -218,11 +273,18 @@ Outcome ComponentDecimator::try_removal(SimplexEdge edge) {
   const double barycentric = d.barycentric[index_of(v)] + d.barycentric[index_of(w)];
   const double distance = d.distance[index_of(v)] + d.distance[index_of(w)];
   const double centre = d.centre[index_of(f.right)];
+  const bool right_is_pinned = is_pinned(shared_.contours, mesh_, f.right);
 
   const RemovedEdge removed = remove_edge(mesh_, edge, &journal_);
+  if (right_is_pinned) mesh_.dual_position[index_of(f.left)] = mesh_.dual_position[index_of(f.right)];
+  if (has_chord(f.left)) {
+    ++report_.rejected_link;
+    journal_.undo(mesh_);
+    return Outcome::kRefused;
+  }
   std::erase(around_faces_, v);
   std::erase(around_faces_, w);
-  if (topology_sum() > topology_before) {
+  if (crowding_of(f.left) > kMostVerticesOfAFace || topology_sum() > topology_before) {
     ++report_.rejected_topology;
     journal_.undo(mesh_);
     return Outcome::kRefused;
@@ -255,10 +317,14 @@ void ComponentDecimator::swap_around(SimplexFace face) {
 
 // Section 4.2.
 void ComponentDecimator::run(Progress& progress) {
+  const auto is_start = [&](SimplexVertex v, SimplexVertex w) {
+    return shared_.start.empty() || shared_.start[index_of(v)] != 0 || shared_.start[index_of(w)] != 0;
+  };
   std::vector<SimplexEdge> edges;
   for (const SimplexVertex v : vertices_) {
     for (int k = 0; k < 3; ++k) {
-      if (v < neighbour_of(mesh_, v, k)) edges.push_back({v, k});
+      const SimplexVertex w = neighbour_of(mesh_, v, k);
+      if (v < w && is_start(v, w)) edges.push_back({v, k});
     }
   }
   for (const SimplexEdge edge : edges) {
@@ -269,8 +335,10 @@ void ComponentDecimator::run(Progress& progress) {
   pool_.clear();
   for (const SimplexVertex v : vertices_) {
     for (int k = 0; k < 3; ++k) {
+      const SimplexVertex w = neighbour_of(mesh_, v, k);
+      if (!is_start(v, w)) continue;
       shared_.unprocessed[slot_index({v, k})] = 1;
-      if (v < neighbour_of(mesh_, v, k)) pool_.push_back({v, k});
+      if (v < w) pool_.push_back({v, k});
     }
   }
   while (!pool_.empty()) {
@@ -294,34 +362,47 @@ void add_counts(DecimationReport& sum, const DecimationReport& part) {
 }
 
 // Vertices by component, those to be decimated only.
-std::vector<std::vector<SimplexVertex>> decimated_components(const SimplexMesh& mesh,
-                                                             const DecimateOptions& options) {
-  const SimplexComponents components = components_of(mesh);
+std::vector<std::vector<SimplexVertex>> decimated_components(const ContouredMesh& model,
+                                                             const DecimateOptions& options,
+                                                             const std::vector<std::uint8_t>& start) {
+  const SimplexComponents components = components_of(model.mesh);
   std::vector<std::vector<SimplexVertex>> vertices(components.count);
+  std::vector<int> triangles(components.count, 0);
+  std::vector<std::uint8_t> starts(components.count, 0);
   for (std::uint32_t v = 0; v < components.of_vertex.size(); ++v) {
-    if (mesh.is_live(SimplexVertex{v})) vertices[components.of_vertex[v]].push_back(SimplexVertex{v});
+    if (!model.mesh.is_live(SimplexVertex{v})) continue;
+    const std::uint32_t c = components.of_vertex[v];
+    vertices[c].push_back(SimplexVertex{v});
+    triangles[c] += model.contours.is_on_contour(SimplexVertex{v}) ? 0 : 1;
+    if (!start.empty() && start[v] != 0) starts[c] = 1;
   }
-  std::erase_if(vertices, [&](const auto& part) {
-    return part.size() < static_cast<std::size_t>(options.small_triangles);
-  });
+  for (std::uint32_t c = 0; c < components.count; ++c) {
+    const bool is_chosen = start.empty() ? triangles[c] >= options.small_triangles : starts[c] != 0;
+    if (!is_chosen) vertices[c].clear();
+  }
+  std::erase_if(vertices, [](const auto& part) { return part.empty(); });
   return vertices;
 }
 
 }  // namespace
 
 void decimate_paper(const Isosurface& isosurface, const DecimateOptions& options, double distance_mm,
-                    std::uint64_t seed, SimplexMesh& mesh, Context& context) {
+                    std::uint64_t seed, const std::vector<std::uint8_t>& start, ContouredMesh& model,
+                    Context& context) {
+  SimplexMesh& mesh = model.mesh;
   const Criteria criteria{distance_mm, options.min_barycentric, options.topology};
   const MotionOptions motion{options.rigidity, options.stiffness, options.damping, options.iterations,
                              4 * distance_mm};
-  Shared shared{isosurface,
+  const ContourModel contours = contour_model(isosurface, model.contours);
+  Shared shared{contours,
                 criteria,
                 motion,
                 mesh,
-                measure_deficits(isosurface, mesh, criteria),
+                start,
+                measure_deficits(contours, mesh, criteria),
                 MotionMarks(mesh.face.size()),
                 std::vector<std::uint8_t>(3 * mesh.face.size(), 0)};
-  const auto components = decimated_components(mesh, options);
+  const auto components = decimated_components(model, options, start);
   std::vector<DecimationReport> reports(components.size());
   Progress progress(context, "decimate", mesh.face.size());
   parallel_for(context, components.size(), [&](std::size_t i) {
@@ -334,7 +415,7 @@ void decimate_paper(const Isosurface& isosurface, const DecimateOptions& options
     for (const SimplexVertex v : part) {
       if (!mesh.is_live(v)) continue;
       for (const SimplexFace f : mesh.face[index_of(v)])
-        mesh.dual_position[index_of(f)] = face_centre(mesh, f);
+        mesh.dual_position[index_of(f)] = dual_place(contours, mesh, f);
     }
   }
 }
