@@ -29,9 +29,9 @@ class DecimateStage final : public StageOf<DecimateOptions> {
   void declare(Declaration<DecimateOptions>& d) const override {
     using O = DecimateOptions;
     d.stage("decimate", 1, "Decimates an isosurface as a deformable simplex mesh.")
-        .input<Isosurface>("isosurface", "The surface to decimate.",
-                           {.closed = true, .manifold = true, .oriented = true})
-        .output<SimplexMesh>("simplex_mesh", "The decimated model.",
+        .input<Isosurface>("isosurface", "The surface to decimate, open or closed.",
+                           {.manifold = true, .oriented = true})
+        .output<SimplexMesh>("simplex_mesh", "The decimated model, closed if the isosurface is.",
                              {.closed = true, .manifold = true, .oriented = true})
         .param("method", &O::method, Quantity::kNone, Range::any(), "The decimation scheme.")
         .param("distance", &O::distance, Quantity::kLength, Range::above(0),
