@@ -61,17 +61,22 @@ bool edge_meets(const Shadow& a, const Shadow& b) {
   return first <= last + kMargin;
 }
 
-// Whether the height is within the tolerance all over the overlay of T with an isosurface triangle: the
-// triangle's shadow is clipped by T's three sides (Sutherland and Hodgman 1974).
-bool overlay_is_within(const std::array<Shadow, 3>& s, double tolerance) {
-  std::array<Shadow, 9> polygon, clipped;
-  std::size_t count = 3;
-  std::copy(s.begin(), s.end(), polygon.begin());
+// The overlay of T with an isosurface triangle: the corners of its shadow clipped by T's three sides
+// (Sutherland and Hodgman 1974).
+struct Overlay {
+  std::array<Shadow, 9> corner;
+  std::size_t count = 0;
+};
+Overlay overlay_of(const std::array<Shadow, 3>& s) {
+  Overlay overlay;
+  std::array<Shadow, 9> clipped;
+  overlay.count = 3;
+  std::copy(s.begin(), s.end(), overlay.corner.begin());
   for (std::size_t side = 0; side < 3; ++side) {
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const Shadow& a = polygon[i];
-      const Shadow& b = polygon[i + 1 == count ? 0 : i + 1];
+    for (std::size_t i = 0; i < overlay.count; ++i) {
+      const Shadow& a = overlay.corner[i];
+      const Shadow& b = overlay.corner[i + 1 == overlay.count ? 0 : i + 1];
       const double la = a.lambda[side], lb = b.lambda[side];
       if (la >= -kMargin) clipped[kept++] = a;
       if ((la >= -kMargin) != (lb >= -kMargin)) {
@@ -81,11 +86,32 @@ bool overlay_is_within(const std::array<Shadow, 3>& s, double tolerance) {
         cut.height = a.height + t * (b.height - a.height);
       }
     }
-    count = kept;
-    polygon = clipped;
+    overlay.count = kept;
+    std::copy(clipped.begin(), clipped.begin() + static_cast<std::ptrdiff_t>(kept), overlay.corner.begin());
   }
-  return std::all_of(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(count),
-                     [&](const Shadow& p) { return std::abs(p.height) <= tolerance; });
+  return overlay;
+}
+
+// Whether T is within the tolerance of the isosurface all over its overlay with the triangle `id`: by the
+// heights, or because the overlay's corners are all within the tolerance of one triangle, this or one beside
+// it.
+bool overlay_is_within(const Reference& reference, Index id, const std::array<Shadow, 3>& s,
+                       const std::array<Vec3, 3>& t, double tolerance) {
+  const auto is_low = [&](const Shadow& p) { return std::abs(p.height) <= tolerance; };
+  if (is_low(s[0]) && is_low(s[1]) && is_low(s[2])) return true;
+  const Overlay overlay = overlay_of(s);
+  const auto begin = overlay.corner.begin(), end = begin + static_cast<std::ptrdiff_t>(overlay.count);
+  if (std::all_of(begin, end, is_low)) return true;
+  const auto is_near = [&](Index other) {
+    if (other == kNoIndex) return false;
+    const auto corners = reference.corners(other);
+    return std::all_of(begin, end, [&](const Shadow& p) {
+      const Vec3 x = t[0] * p.lambda[0] + t[1] * p.lambda[1] + t[2] * p.lambda[2];
+      return squared_distance(x, corners) <= tolerance * tolerance;
+    });
+  };
+  const auto& across = reference.triangles[id].across;
+  return is_near(id) || is_near(across[0]) || is_near(across[1]) || is_near(across[2]);
 }
 
 // What a triangle adds to the degree at the probe: positive ones count only when surely around it, negative
@@ -183,10 +209,7 @@ bool certify_by_overlay(const Reference& reference, const DualTriangle& triangle
   int degree = 0;
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const auto s = shadows(reference, queue[head], map);
-    const auto is_within = [&](const Shadow& p) { return std::abs(p.height) <= tolerance; };
-    if (!(is_within(s[0]) && is_within(s[1]) && is_within(s[2])) && !overlay_is_within(s, tolerance)) {
-      return false;
-    }
+    if (!overlay_is_within(reference, queue[head], s, triangle.corner, tolerance)) return false;
     degree += degree_at_probe(s);
     for (std::size_t k = 0; k < 3; ++k) {
       if (!edge_meets(s[(k + 1) % 3], s[(k + 2) % 3])) continue;

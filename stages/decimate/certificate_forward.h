@@ -5,10 +5,11 @@
 // Overlay. Let d be a direction and T a triangle not parallel to it. Starting at the isosurface triangle
 // under T's barycentre, collect isosurface triangles across every edge whose shadow along d meets T. On the
 // overlay of T with one of them the height difference along d is linear, so it is within the tolerance
-// everywhere if it is so at the overlay's corners. No edge of the collected patch's border has a shadow that
-// meets T, so the degree of the projection of the patch onto T's plane is the same at every point of T; if it
-// is at least 1 at one point, each point of T has a point of the patch on its line along d, within the
-// tolerance. Tried along the mean isosurface normal, then along T's own.
+// everywhere if it is so at the overlay's corners; and the distance to one triangle is a convex function, so
+// T is within the tolerance all over the overlay if its corners are so to one triangle. No edge of the
+// collected patch's border has a shadow that meets T, so the degree of the projection of the patch onto T's
+// plane is the same at every point of T; if it is at least 1 at one point, each point of T lies in an
+// overlay, and so within the tolerance. Tried along the mean isosurface normal, then along T's own.
 //
 // Bisection. The distance to one triangle is a convex function, so a triangle whose three corners lie within
 // the tolerance of the same isosurface triangle lies within it altogether. T's longest edge is bisected until

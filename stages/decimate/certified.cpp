@@ -1,25 +1,31 @@
 #include "stages/decimate/certified.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
+#include <memory>
+#include <mutex>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/parallel.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/simplex_dual.h"
 #include "stages/decimate/certified_passes.h"
+#include "stages/decimate/certified_regions.h"
 
 namespace periost {
 namespace {
 
-constexpr double kRounding = 1e-4;        // part of the tolerance kept for rounding
-constexpr std::size_t kRangeSize = 1000;  // living vertices of one queue
-constexpr int kSheetSide = 2;             // voxels
-constexpr int kStages = 6;                // removal stages by cost
-constexpr int kFinalRounds = 8;           // relocations and removals after the last stage
-constexpr double kWorthwhile = 0.005;     // part of the vertices a final round must remove to go on
-constexpr int kAngleRounds = 3;
-constexpr int kSliverRounds = 8;
+constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
+constexpr int kSheetSide = 2;          // voxels
+constexpr int kStages = 6;             // removal stages by cost
+constexpr int kFinalRounds = 8;        // removals of any cost, each with mending, after the last stage
+constexpr double kWorthwhile = 0.005;  // part of the vertices a final round must remove to go on
+constexpr double kAim = 1.33;          // times the least angle: what mending aims at between removals
+constexpr int kSliverRounds = 24;
+constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
+constexpr std::size_t kLeastOfARegion = 3000;  // vertices
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
 // the limit itself removals would stop at twice the triangles.
 constexpr int kTopologySlack = 3;
@@ -79,10 +85,6 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
   if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
     drop_small_components(static_cast<std::size_t>(options.small_triangles), mesh, proofs);
   }
-  GuardLimits limits;
-  limits.min_angle = options.min_angle.radians();
-  limits.min_barycentric = options.min_barycentric;
-  limits.topology = options.topology + kTopologySlack;
   const double tolerance = tolerance_mm(isosurface, options) * (1 - kRounding);
   SheetGrid sheets(reference, mesh, kSheetSide);
   return {reference,
@@ -90,59 +92,147 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
           std::move(proofs),
           make_quadrics(reference),
           std::move(sheets),
-          limits,
           tolerance,
           tolerance * reverse_scale(options.reverse),
           std::vector<std::uint32_t>(3 * reference.triangles.size(), 0),
+          std::vector<std::uint32_t>(reference.triangles.size(), 0),
+          std::vector<std::uint32_t>(reference.points.size(), 0),
           std::vector<std::uint8_t>(reference.points.size(), 0)};
 }
 
-// Runs a pass over all ranges.
-template <class Pass>
-void sweep(CertifiedState& state, Worker& worker, const Context& context, Pass&& pass) {
-  for (const VertexRange& range : vertex_ranges(state.mesh, kRangeSize)) {
-    context.check_cancelled();
-    pass(state, worker, range);
-  }
+GuardLimits limits_of(const DecimateOptions& options) {
+  GuardLimits limits;
+  limits.min_angle = options.min_angle.radians();
+  limits.min_barycentric = options.min_barycentric;
+  limits.topology = options.topology;
+  return limits;
 }
 
-void run_schedule(CertifiedState& state, Worker& worker, const Context& context) {
-  Progress progress(context, "decimating", kStages + kFinalRounds + kAngleRounds + 1);
-  const auto remove_up_to = [&](double limit) {
-    sweep(state, worker, context,
-          [limit](CertifiedState& s, Worker& w, VertexRange range) { removal_pass(s, w, range, limit); });
-    progress.step();
-  };
-  const auto report = [&](const char* what) {
-    context.debug("decimate.stage",
-                  std::string(what) + ": " + std::to_string(living_triangles(state.mesh)) + " triangles");
-  };
-  sweep(state, worker, context, swap_pass);
-  for (int stage = 0; stage < kStages; ++stage) {
-    remove_up_to(median_removal_cost(state));
-    report("stage");
+// The schedule: which passes, in what order, over which regions.
+class Schedule {
+ public:
+  Schedule(CertifiedState& state, const DecimateOptions& options, const Context& context)
+      : state_(state),
+        options_(options),
+        context_(context),
+        progress_(context, "decimating", kStages + kFinalRounds + 2) {}
+
+  void run() {
+    sweep(kTopologySlack, swap_pass);
+    for (int stage = 0; stage < kStages && removals_left() > 0; ++stage) {
+      const double limit = median_removal_cost(state_);
+      sweep(kTopologySlack, [limit](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        removal_pass(state, worker, vertices, limit);
+      });
+      end_step("stage");
+    }
+    for (int round = 0; round < kFinalRounds; ++round) {
+      const std::size_t before = living_triangles(state_.mesh);
+      sweep(kTopologySlack, final_round);
+      end_step("round");
+      const std::size_t after = living_triangles(state_.mesh);
+      if (static_cast<double>(before - after) < kWorthwhile * static_cast<double>(after)) break;
+    }
+    sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+      angle_pass(state, worker, vertices, worker.limits.min_angle);
+      fit_pass(state, worker, vertices);
+    });
+    sweep(0, swap_pass);
+    mend_slivers();
+    end_step("angles");
   }
-  for (int round = 0; round < kFinalRounds; ++round) {
-    const std::uint64_t before = worker.counts.removals;
-    remove_up_to(std::numeric_limits<double>::max());
-    report("final removals");
-    const std::uint64_t removed = worker.counts.removals - before;
-    const std::size_t left = living_triangles(state.mesh);
-    sweep(state, worker, context, relocation_pass);
-    report("relocations");
-    if (static_cast<double>(removed) < kWorthwhile * static_cast<double>(left)) break;
+
+  MoveCounts counts() const {
+    MoveCounts sum;
+    for (const auto& worker : idle_) sum += worker->counts;
+    return sum;
   }
-  for (int round = 0; round < kAngleRounds; ++round) {
-    sweep(state, worker, context, angle_pass);
-    progress.step();
-    report("angles");
+
+ private:
+  // Few triangles are concerned, so all of space is one region and none is spared at a seam.
+  void mend_slivers() {
+    const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
+    std::unique_ptr<Worker> worker = take_worker();
+    worker->limits = limits_of(options_);
+    worker->region_lo = regions[0].lo;
+    worker->region_hi = regions[0].hi;
+    for (Index v = 0; v < state_.mesh.points.size(); ++v) {
+      if (state_.mesh.incident[v] == kNoIndex && !state_.mesh.is_locked[v]) worker->dead_points.push_back(v);
+    }
+    for (Index t = 0; t < state_.mesh.triangles.size(); ++t) {
+      if (!state_.mesh.triangles[t].is_alive()) worker->dead_triangles.push_back(t);
+    }
+    for (int round = 0; round < kSliverRounds; ++round) {
+      context_.check_cancelled();
+      const std::uint64_t before = worker->counts.moves();
+      sliver_pass(state_, *worker, regions[0].vertices);
+      if (worker->counts.moves() == before) break;
+    }
+    idle_.push_back(std::move(worker));
   }
-  sweep(state, worker, context, fit_pass);
-  state.limits.topology -= kTopologySlack;
-  sweep(state, worker, context, swap_pass);
-  state.limits.worst_angle_first = true;
-  for (int round = 0; round < kSliverRounds; ++round) sweep(state, worker, context, sliver_pass);
-}
+
+  static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+    removal_pass(state, worker, vertices, std::numeric_limits<double>::max());
+    swap_pass(state, worker, vertices);
+    relocation_pass(state, worker, vertices);
+    fit_pass(state, worker, vertices);
+    angle_pass(state, worker, vertices, kAim * worker.limits.min_angle);
+  }
+
+  // How many removals there may still be before the surface has no more triangles than asked.
+  std::size_t removals_left() const {
+    if (options_.max_triangles == 0) return std::numeric_limits<std::size_t>::max();
+    const std::size_t living = living_triangles(state_.mesh);
+    return living > options_.max_triangles ? (living - options_.max_triangles + 1) / 2 : 0;
+  }
+
+  // Cuts space anew and runs `work` on every region, several at a time.
+  template <class Work>
+  void sweep(int topology_slack, Work&& work) {
+    const std::size_t left = removals_left();
+    std::size_t living = 0;
+    for (const Index t : state_.mesh.incident) living += t != kNoIndex ? 1 : 0;
+    const auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++);
+    parallel_for(context_, regions.size(), [&](std::size_t i) {
+      const Region& region = regions[i];
+      std::unique_ptr<Worker> worker = take_worker();
+      worker->limits = limits_of(options_);
+      worker->limits.topology += topology_slack;
+      worker->region_lo = region.lo;
+      worker->region_hi = region.hi;
+      worker->quota = left;
+      if (options_.max_triangles > 0) {
+        const double share = static_cast<double>(region.vertices.size()) / static_cast<double>(living);
+        worker->quota = static_cast<std::size_t>(std::ceil(share * static_cast<double>(left)));
+      }
+      work(state_, *worker, region.vertices);
+      const std::lock_guard lock(mutex_);
+      idle_.push_back(std::move(worker));
+    });
+  }
+
+  std::unique_ptr<Worker> take_worker() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return std::make_unique<Worker>();
+    auto worker = std::move(idle_.back());
+    idle_.pop_back();
+    return worker;
+  }
+
+  void end_step(const char* what) {
+    progress_.step();
+    context_.debug("decimate.stage",
+                   std::string(what) + ": " + std::to_string(living_triangles(state_.mesh)) + " triangles");
+  }
+
+  CertifiedState& state_;
+  const DecimateOptions& options_;
+  const Context& context_;
+  Progress progress_;
+  unsigned turn_ = 0;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Worker>> idle_;
+};
 
 SurfaceMesh extract_surface(const CertifiedState& state) {
   SurfaceMesh surface;
@@ -201,12 +291,12 @@ SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptio
                                Context& context) {
   const Reference reference(isosurface);
   CertifiedState state = make_state(reference, isosurface, options);
-  Worker worker;
-  run_schedule(state, worker, context);
+  Schedule schedule(state, options, context);
+  schedule.run();
   const SurfaceMesh surface = extract_surface(state);
   require_no_intersection(surface, isosurface, context);
   SimplexMesh mesh = dual_simplex_mesh(surface);
-  mesh.report = make_report(worker.counts, isosurface, options, surface.triangles.size());
+  mesh.report = make_report(schedule.counts(), isosurface, options, surface.triangles.size());
   return mesh;
 }
 

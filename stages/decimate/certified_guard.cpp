@@ -192,7 +192,8 @@ bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Pro
     Vec3 mean;
     for (const Index v : cell.corner) mean += reference.normals[proposal.nearest_of(mesh, v)];
     if (dot(n, normalized(mean)) > limits.fold_cosine) continue;
-    const Vec3 old = normal_of(corners_of(before, mesh.triangles[proposal.after[i]]));
+    const Index id = proposal.before.contains(proposal.after[i]) ? proposal.after[i] : proposal.before[0];
+    const Vec3 old = normal_of(corners_of(before, mesh.triangles[id]));
     if (dot(n, old) <= limits.fold_cosine) return false;
   }
   double old_sum = 0, new_sum = 0;

@@ -162,6 +162,34 @@ bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Prop
   return true;
 }
 
+bool propose_insertion(const CertifiedMesh& mesh, Index triangle, std::size_t k, Index vertex,
+                       const std::array<Index, 2>& triangles, Proposal& proposal) {
+  reset(proposal, MoveKind::kInsertion);
+  const LinkedTriangle& first = mesh.triangles[triangle];
+  const Index a = first.corner[k], u = first.corner[(k + 1) % 3], v = first.corner[(k + 2) % 3];
+  const Index other = first.across[k];
+  if (other == kNoIndex) return false;
+  const LinkedTriangle& second = mesh.triangles[other];
+  const std::size_t slot_u = second.slot_of(u), slot_v = second.slot_of(v);
+  const Index b = second.corner[3 - slot_u - slot_v];
+  const auto [beside_first, beside_second] = triangles;
+  for (const Index x : {u, b, v, a}) {
+    if (mesh.is_locked[x]) return false;
+    proposal.rim.push_back(x);
+  }
+  for (const Index t : {triangle, other}) proposal.before.push_back(t);
+  for (const Index t : {triangle, beside_first, other, beside_second}) proposal.after.push_back(t);
+  proposal.cells.push_back({{a, u, vertex}, {other, beside_first, first.across[(k + 2) % 3]}});
+  proposal.cells.push_back({{a, vertex, v}, {beside_second, first.across[(k + 1) % 3], triangle}});
+  proposal.cells.push_back({{b, vertex, u}, {triangle, second.across[slot_v], beside_second}});
+  proposal.cells.push_back({{b, v, vertex}, {beside_first, other, second.across[slot_u]}});
+  proposal.moved = vertex;
+  proposal.valence_changes.push_back({vertex, 4});
+  proposal.valence_changes.push_back({a, 1});
+  proposal.valence_changes.push_back({b, 1});
+  return true;
+}
+
 bool propose_relocation(const CertifiedMesh& mesh, Index vertex, Proposal& proposal) {
   reset(proposal, MoveKind::kRelocation);
   Star star;
@@ -189,7 +217,7 @@ void apply(const Proposal& proposal, CertifiedMesh& mesh) {
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
     const LinkedTriangle& cell = proposal.cells[i];
     for (std::size_t k = 0; k < 3; ++k) {
-      if (proposal.before.contains(cell.across[k])) continue;
+      if (proposal.before.contains(cell.across[k]) || proposal.after.contains(cell.across[k])) continue;
       LinkedTriangle& outer = mesh.triangles[cell.across[k]];
       const std::size_t p = outer.slot_of(cell.corner[(k + 1) % 3]),
                         q = outer.slot_of(cell.corner[(k + 2) % 3]);

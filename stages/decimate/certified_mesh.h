@@ -61,13 +61,14 @@ struct Star {
 // False at a contour, or when the star is too large.
 bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star);
 
-enum class MoveKind { kRemoval, kSwap, kRelocation };
+enum class MoveKind { kRemoval, kSwap, kRelocation, kInsertion };
 
-// A replacement of the triangles `before` by `after`, which keep some of the ids.
+// A replacement of the triangles `before` by `after`, which keep some of the ids. An insertion brings in ids of
+// dead elements as well.
 struct Proposal {
   MoveKind kind = MoveKind::kRelocation;
   FixedList<Index, kMaxRing> before;          // ids of triangles
-  FixedList<Index, kMaxRing> after;           // ids, a subset of `before`
+  FixedList<Index, kMaxRing> after;           // ids, a subset of `before` unless something is inserted
   FixedList<LinkedTriangle, kMaxRing> cells;  // their records after the move
   FixedList<Index, kMaxRing> rim;             // vertices that keep their place, each once
   Index moved = kNoIndex;                     // the vertex that gets `place`, or none
@@ -107,6 +108,10 @@ struct Proposal {
 bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
 // T7^2: that edge is flipped, in the dual.
 bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
+// T2^2, the inverse of T1^2: a dual vertex is inserted on that edge. `vertex` and the two `triangles` are dead
+// ones that come to life.
+bool propose_insertion(const CertifiedMesh& mesh, Index triangle, std::size_t k, Index vertex,
+                       const std::array<Index, 2>& triangles, Proposal& proposal);
 // One dual vertex moves; the topology stays.
 bool propose_relocation(const CertifiedMesh& mesh, Index vertex, Proposal& proposal);
 

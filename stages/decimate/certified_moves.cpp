@@ -2,12 +2,21 @@
 
 #include <algorithm>
 
+#include "stages/decimate/certified_seek.h"
+
 namespace periost {
 namespace {
 
 constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangential regularisation, in turn
 constexpr double kLengthWeight = 1e-3;                       // of the squared length in the cost
-constexpr double kGainSlack = 1e-4;                          // radians: smaller gains do not count
+// Steps along the normal, in tolerances, that are tried where a place is too far from the isosurface or
+// leaves it too far away: the triangles of a bent part lie on one side of it, so its vertices belong on the
+// other.
+constexpr std::array<double, 4> kHeights{0.2, -0.2, 0.4, -0.4};
+// Smaller gains do not count.
+double least_gain(const GuardLimits& limits) {
+  return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
+}
 
 // The triangles that share a vertex with the ring but are not in it.
 void collect_around(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch,
@@ -63,8 +72,8 @@ bool is_forward_certified(const CertifiedState& state, Worker& worker) {
 Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles) {
   Proposal& proposal = worker.proposal;
   if (!locate(state, worker, proposal, facing)) return Refusal::kDistance;
-  if (!meets_fold(state.reference, state.mesh, proposal, state.limits)) return Refusal::kFold;
-  if (!mends_angles && !meets_barycentric(state.mesh, proposal, state.limits)) return Refusal::kBarycentric;
+  if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
+  if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
   if (!is_forward_certified(state, worker)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
@@ -80,8 +89,8 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
 
 // Topology and the rest for a removal whose angles hold.
 Refusal check_removal(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
-  const bool mends = gain > kGainSlack;
-  if (!meets_topology(state.mesh, worker.proposal, state.limits, mends)) return Refusal::kTopology;
+  const bool mends = gain > least_gain(worker.limits);
+  if (!meets_topology(state.mesh, worker.proposal, worker.limits, mends)) return Refusal::kTopology;
   return check(state, worker, facing, mends);
 }
 
@@ -119,23 +128,40 @@ std::uint32_t signature_of(const CertifiedMesh& mesh, const Proposal& proposal) 
   return sum;
 }
 
-// The place for a removal whose angles hold, if one of the strengths gives one.
-Refusal place_merged(const CertifiedState& state, Proposal& proposal, Vec3 normal, double& gain) {
+// The place for a removal whose angles hold: one of the strengths gives it, or a search along the surface.
+Refusal place_merged(const CertifiedState& state, Worker& worker, Vec3 normal, double& gain) {
+  Proposal& proposal = worker.proposal;
   Quadric quadric = state.quadrics[proposal.moved];
   quadric += state.quadrics[proposal.removed];
   const Vec3 origin = state.reference.points[0];
   const Vec3 towards = rim_centroid(state.mesh, proposal) - origin;
   for (const double strength : kStrengths) {
     proposal.place = origin + best_place(quadric, towards, normal, strength);
-    if (meets_angles(state.mesh, proposal, state.limits, &gain)) return Refusal::kNone;
+    if (meets_angles(state.mesh, proposal, worker.limits, &gain)) return Refusal::kNone;
   }
-  return Refusal::kAngle;
+  if (!seek_angles(state.mesh, worker.limits, quadric, origin, normal, proposal)) return Refusal::kAngle;
+  meets_angles(state.mesh, proposal, worker.limits, &gain);
+  return Refusal::kNone;
+}
+
+// Topology and the rest for a removal, at its place and a little above and below.
+Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, double gain) {
+  Refusal refusal = check_removal(state, worker, normal, gain);
+  const Vec3 place = worker.proposal.place;
+  for (const double height : kHeights) {
+    if (refusal != Refusal::kDistance && refusal != Refusal::kReverse) break;
+    worker.proposal.place = place + normal * (height * state.tolerance);
+    if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) continue;
+    refusal = check_removal(state, worker, normal, gain);
+  }
+  return refusal;
 }
 
 }  // namespace
 
 MoveCounts& MoveCounts::operator+=(const MoveCounts& other) {
   removals += other.removals;
+  insertions += other.insertions;
   swaps += other.swaps;
   relocations += other.relocations;
   for (std::size_t i = 0; i < refused.size(); ++i) refused[i] += other.refused[i];
@@ -172,8 +198,8 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   if (state.failed[slot] == signature) return false;
   const Vec3 normal = edge_normal(state, u, v);
   double gain = 0;
-  Refusal refusal = place_merged(state, proposal, normal, gain);
-  if (refusal == Refusal::kNone) refusal = check_removal(state, worker, normal, gain);
+  Refusal refusal = place_merged(state, worker, normal, gain);
+  if (refusal == Refusal::kNone) refusal = check_at_heights(state, worker, normal, gain);
   if (refusal != Refusal::kNone) {
     state.failed[slot] = signature;
     return refuse(state, worker, refusal, u);
@@ -191,7 +217,8 @@ bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::si
   for (const Vec3& place : {(a + b) * 0.5, a, b, rim_centroid(state.mesh, proposal)}) {
     proposal.place = place;
     double gain = 0;
-    if (!meets_angles(state.mesh, proposal, state.limits, &gain) || gain < kGainSlack) continue;
+    if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_gain(worker.limits))
+      continue;
     if (check_removal(state, worker, normal, gain) != Refusal::kNone) continue;
     commit(state, worker);
     ++worker.counts.removals;
@@ -209,10 +236,10 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   if (!propose_swap(state.mesh, t, k, proposal)) return refuse(state, worker, Refusal::kLink, u);
   double gain = 0;
   Refusal refusal =
-      meets_angles(state.mesh, proposal, state.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
-  if (improve_angles && gain < kGainSlack) return false;
-  const bool mends = gain > kGainSlack;
-  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, state.limits, mends)) {
+      meets_angles(state.mesh, proposal, worker.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
+  if (improve_angles && gain < least_gain(worker.limits)) return false;
+  const bool mends = gain > least_gain(worker.limits);
+  if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, worker.limits, mends)) {
     refusal = Refusal::kTopology;
   }
   if (refusal == Refusal::kNone) refusal = check(state, worker, {}, mends);
@@ -222,15 +249,50 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   return true;
 }
 
+bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k) {
+  if (worker.dead_points.empty() || worker.dead_triangles.size() < 2) return false;
+  const Index vertex = worker.dead_points.back();
+  const std::size_t count = worker.dead_triangles.size();
+  const std::array<Index, 2> triangles{worker.dead_triangles[count - 1], worker.dead_triangles[count - 2]};
+  Proposal& proposal = worker.proposal;
+  if (!propose_insertion(state.mesh, t, k, vertex, triangles, proposal)) return false;
+  const auto& corner = state.mesh.triangles[t].corner;
+  const Index u = corner[(k + 1) % 3], v = corner[(k + 2) % 3];
+  const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
+  const Vec3 normal = edge_normal(state, u, v);
+  const Vec3 to_rim = rim_centroid(state.mesh, proposal) - middle;
+  state.mesh.valence[vertex] = 0;
+  for (const double part : {0.0, 0.3, 0.6, 1.0}) {
+    for (const double height : {0.0, 0.3, -0.3}) {
+      proposal.place = middle + to_rim * part + normal * (height * state.tolerance);
+      double gain = 0;
+      if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_gain(worker.limits)) {
+        continue;
+      }
+      if (check_removal(state, worker, normal, gain) != Refusal::kNone) continue;
+      const Vec3 plane = state.reference.normals[proposal.place_nearest];
+      state.quadrics[vertex] = {};
+      state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
+                                       squared_norm(state.mesh.points[u] - middle));
+      commit(state, worker);
+      worker.dead_points.pop_back();
+      worker.dead_triangles.resize(count - 2);
+      ++worker.counts.insertions;
+      return true;
+    }
+  }
+  return false;
+}
+
 bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 place, bool improve_angles) {
   Proposal& proposal = worker.proposal;
   if (!propose_relocation(state.mesh, vertex, proposal)) return false;
   proposal.place = place;
   double gain = 0;
-  if (!meets_angles(state.mesh, proposal, state.limits, &gain)) return false;
-  if (improve_angles && gain < kGainSlack) return false;
+  if (!meets_angles(state.mesh, proposal, worker.limits, &gain)) return false;
+  if (improve_angles && gain < least_gain(worker.limits)) return false;
   const Vec3 facing = state.reference.normals[state.mesh.nearest[vertex]];
-  if (check(state, worker, facing, gain > kGainSlack) != Refusal::kNone) return false;
+  if (check(state, worker, facing, gain > least_gain(worker.limits)) != Refusal::kNone) return false;
   commit(state, worker);
   ++worker.counts.relocations;
   return true;

@@ -1,8 +1,9 @@
 #pragma once
-// The three moves of the certified scheme: T1^2 with the best place for the merged face's dual vertex, T7^2,
-// and the relocation of one dual vertex. Each passes every check before anything is changed.
+// The moves of the certified scheme: T1^2 with the best place for the merged face's dual vertex, its inverse
+// T2^2, T7^2, and the relocation of one dual vertex. Each passes every check before anything is changed.
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "stages/decimate/certificate_forward.h"
@@ -21,27 +22,33 @@ struct CertifiedState {
   ReverseProofs proofs;
   std::vector<Quadric> quadrics;  // of points
   SheetGrid sheets;
-  GuardLimits limits;
-  double tolerance = 0;                  // mm, rounding already taken off
-  double reverse_tolerance = 0;          // mm, likewise; 0: no reverse certificate
-  std::vector<std::uint32_t> failed;     // of half-edges: signature of the neighbourhood that refused
+  double tolerance = 0;          // mm, rounding already taken off
+  double reverse_tolerance = 0;  // mm, likewise; 0: no reverse certificate
+  // Neighbourhoods in which a move was refused, by their signatures; it is not tried again in the same.
+  std::vector<std::uint32_t> failed;     // removals, of half-edges
+  std::vector<std::uint32_t> unmended;   // of triangles
+  std::vector<std::uint32_t> settled;    // relocations, of points
   std::vector<std::uint8_t> blocked_by;  // of points: the last Refusal there
 };
 
 struct MoveCounts {
-  std::uint64_t removals = 0, swaps = 0, relocations = 0;
+  std::uint64_t removals = 0, insertions = 0, swaps = 0, relocations = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(Refusal::kCount)> refused{};
 
+  std::uint64_t moves() const { return removals + insertions + swaps + relocations; }
   MoveCounts& operator+=(const MoveCounts& other);
 };
 
 // What one thread needs besides.
 struct Worker {
+  GuardLimits limits;
+  std::size_t quota = std::numeric_limits<std::size_t>::max();  // removals that removal_pass may still make
   Proposal proposal;
   ForwardScratch forward;
   ReverseScratch reverse;
   SheetScratch sheets;
   std::vector<Index> around;
+  std::vector<Index> dead_points, dead_triangles;  // that insertions may bring to life
   MoveCounts counts;
   // Dual vertices may not leave this box of the image's index space: the region of a parallel pass.
   Vec3 region_lo{-1e300, -1e300, -1e300}, region_hi{1e300, 1e300, 1e300};
@@ -61,6 +68,10 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
 
 // Moves a dual vertex to `place` (mm). With `improve_angles` the sum of angle deficits must fall.
 bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 place, bool improve_angles);
+
+// Inserts a dual vertex on that edge, at its middle or a little off it; the sum of angle deficits must fall.
+// Takes its ids from worker.dead_*; false when there are none.
+bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k);
 
 // D of the edge of triangle t opposite to corner k. Precondition: not on a contour.
 int topological_difference(const CertifiedMesh& mesh, Index t, std::size_t k);

@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace periost {
 namespace {
 
-constexpr double kRelocationStrength = 0.3;
+constexpr std::size_t kQueueSize = 1000;  // living vertices of one queue
+constexpr double kRelocationStrength = 1.0;
 constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
 constexpr int kSwapRounds = 4;        // around one removal
-constexpr double kSliverAngle = 0.4;  // radians: under it a triangle is a sliver
+constexpr double kLeastFit = 1e-3;    // tolerances: smaller mean heights are left
+
+constexpr std::uint32_t kSliverMark = 0x51D0;  // tells signatures of sliver_pass from those of angle_pass
 
 struct Candidate {
   double cost;
@@ -27,13 +31,45 @@ bool is_alive(const CertifiedMesh& mesh, Index v) {
   return mesh.incident[v] != kNoIndex;
 }
 
-// The queue of one range.
+bool is_free(const CertifiedMesh& mesh, Index v) {
+  return is_alive(mesh, v) && !mesh.is_locked[v];
+}
+
+// Calls visit(v, star) for each free vertex with a closed star.
+template <class Visit>
+void for_free_vertices(const CertifiedMesh& mesh, const VertexList& vertices, Visit&& visit) {
+  Star star;
+  for (const Index v : vertices) {
+    if (is_free(mesh, v) && gather_star(mesh, v, star)) visit(v, star);
+  }
+}
+
+// Changes when anything at a vertex or its link does, locks included.
+std::uint32_t signature_of(const CertifiedMesh& mesh, Index v, const Star& star) {
+  constexpr std::uint32_t kPerLock = 0x9E3779B9;
+  std::uint32_t sum = mesh.version[v] + kPerLock * mesh.is_locked[v];
+  for (const Index w : star.link) sum += mesh.version[w] + kPerLock * mesh.is_locked[w];
+  return sum;
+}
+
+// Likewise for a triangle and the stars of its corners.
+std::uint32_t signature_of(const CertifiedMesh& mesh, Index t) {
+  std::uint32_t sum = 0;
+  Star star;
+  for (const Index v : mesh.triangles[t].corner) {
+    if (gather_star(mesh, v, star)) sum += signature_of(mesh, v, star);
+  }
+  return sum;
+}
+
+// The queue of one run of vertices.
 class RemovalQueue {
  public:
-  RemovalQueue(const CertifiedState& state, VertexRange range, double limit)
-      : state_(state), range_(range), limit_(limit) {
-    for (Index u = range.first; u < range.second; ++u) {
-      if (is_alive(state.mesh, u) && !state.mesh.is_locked[u]) add_edges_of(u, true);
+  // Precondition: begin < end, ascending.
+  RemovalQueue(const CertifiedState& state, const Index* begin, const Index* end, double limit)
+      : state_(state), first_(*begin), last_(end[-1]), limit_(limit) {
+    for (const Index* u = begin; u != end; ++u) {
+      if (is_free(state.mesh, *u)) add_edges_of(*u, true);
     }
     std::make_heap(heap_.begin(), heap_.end(), is_later);
   }
@@ -62,7 +98,7 @@ class RemovalQueue {
     if (!gather_star(state_.mesh, u, star_)) return;
     for (const Index v : star_.link) {
       const Index lower = std::min(u, v), upper = std::max(u, v);
-      if ((only_smaller_end && v < u) || lower < range_.first || lower >= range_.second) continue;
+      if ((only_smaller_end && v < u) || lower < first_ || lower > last_) continue;
       if (state_.mesh.is_locked[v]) continue;
       const double cost = removal_cost(state_, lower, upper);
       if (cost > limit_) continue;
@@ -72,7 +108,7 @@ class RemovalQueue {
   }
 
   const CertifiedState& state_;
-  VertexRange range_;
+  Index first_, last_;
   double limit_;
   std::vector<Candidate> heap_;
   Star star_;
@@ -198,6 +234,9 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   for (const Index v : corner) {
     if (move_around(state, worker, v)) return true;
   }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (try_insertion(state, worker, t, k)) return true;
+  }
   Star star;
   for (const Index v : corner) {
     if (!gather_star(state.mesh, v, star)) continue;
@@ -209,28 +248,29 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   return false;
 }
 
+// Mean signed height of the isosurface over the triangles of a star, weighed by area; mm.
+double mean_height(const CertifiedState& state, const Star& star) {
+  double sum = 0, weight = 0;
+  for (const Index t : star.triangle) {
+    const auto& c = state.mesh.triangles[t].corner;
+    const Vec3 a = state.mesh.points[c[0]];
+    const Vec3 n = normalized(cross(state.mesh.points[c[1]] - a, state.mesh.points[c[2]] - a));
+    for (Index s = state.proofs.first[t]; s != kNoIndex; s = state.proofs.next[s]) {
+      const auto p = state.reference.corners(s);
+      const double area = norm(cross(p[1] - p[0], p[2] - p[0]));
+      sum += area * dot((p[0] + p[1] + p[2]) / 3 - a, n);
+      weight += area;
+    }
+  }
+  return weight > 0 ? sum / weight : 0;
+}
+
 bool has_angle_under(const CertifiedState& state, Index t, double limit) {
   const auto& c = state.mesh.triangles[t].corner;
   return min_angle({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) < limit;
 }
 
 }  // namespace
-
-std::vector<VertexRange> vertex_ranges(const CertifiedMesh& mesh, std::size_t alive) {
-  std::vector<VertexRange> ranges;
-  const Index count = static_cast<Index>(mesh.points.size());
-  Index first = 0;
-  std::size_t living = 0;
-  for (Index v = 0; v < count; ++v) {
-    if (!is_alive(mesh, v)) continue;
-    if (++living < alive) continue;
-    ranges.emplace_back(first, v + 1);
-    first = v + 1;
-    living = 0;
-  }
-  if (first < count) ranges.emplace_back(first, count);
-  return ranges;
-}
 
 double median_removal_cost(const CertifiedState& state) {
   constexpr Index kStride = 7;
@@ -248,35 +288,39 @@ double median_removal_cost(const CertifiedState& state) {
   return *middle;
 }
 
-void removal_pass(CertifiedState& state, Worker& worker, VertexRange range, double limit) {
-  RemovalQueue queue(state, range, limit);
+void removal_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double limit) {
+  const Index* const end = vertices.data() + vertices.size();
   Candidate candidate{};
   Star star;
   std::size_t spoke = 0;
-  while (queue.pop(candidate, star, spoke)) {
-    if (!try_removal(state, worker, star.triangle[spoke], slot_opposite(state.mesh, star, spoke))) continue;
-    const Index merged = worker.proposal.moved;
-    for (int round = 0; round < kSwapRounds && gather_star(state.mesh, merged, star); ++round) {
-      if (!swap_one(state, worker, star)) break;
+  for (const Index* begin = vertices.data(); begin != end && worker.quota > 0;) {
+    const Index* stop = begin;
+    for (std::size_t living = 0; stop != end && living < kQueueSize; ++stop) {
+      living += is_alive(state.mesh, *stop) ? 1 : 0;
     }
-    queue.push_edges_of(merged);
+    RemovalQueue queue(state, begin, stop, limit);
+    while (worker.quota > 0 && queue.pop(candidate, star, spoke)) {
+      if (!try_removal(state, worker, star.triangle[spoke], slot_opposite(state.mesh, star, spoke))) continue;
+      --worker.quota;
+      const Index merged = worker.proposal.moved;
+      for (int round = 0; round < kSwapRounds && gather_star(state.mesh, merged, star); ++round) {
+        if (!swap_one(state, worker, star)) break;
+      }
+      queue.push_edges_of(merged);
+    }
+    begin = stop;
   }
 }
 
-void swap_pass(CertifiedState& state, Worker& worker, VertexRange range) {
-  Star star;
-  for (Index v = range.first; v < range.second; ++v) {
-    if (is_alive(state.mesh, v) && !state.mesh.is_locked[v] && gather_star(state.mesh, v, star)) {
-      swap_one(state, worker, star);
-    }
-  }
+void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) { swap_one(state, worker, star); });
 }
 
-void relocation_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
   const Vec3 origin = state.reference.points[0];
-  Star star;
-  for (Index v = range.first; v < range.second; ++v) {
-    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+  for_free_vertices(state.mesh, vertices, [&](Index v, const Star& star) {
+    const std::uint32_t signature = signature_of(state.mesh, v, star);
+    if (state.settled[v] == signature) return;
     const Vec3 normal = star_normal(state.mesh, star, v);
     const Vec3 middle = link_centroid(state.mesh, star) - origin;
     const Quadric& quadric = state.quadrics[v];
@@ -286,53 +330,49 @@ void relocation_pass(CertifiedState& state, Worker& worker, VertexRange range) {
       return std::max(0.0, quadric.at(x)) +
              kRelocationStrength * quadric.trace() * (squared_norm(d) - dot(d, normal) * dot(d, normal));
     };
-    if (energy(place) >= kEnergyFall * energy(state.mesh.points[v] - origin)) continue;
-    try_relocation(state, worker, v, origin + place, false);
-  }
-}
-
-void angle_pass(CertifiedState& state, Worker& worker, VertexRange range) {
-  Star star;
-  for (Index v = range.first; v < range.second; ++v) {
-    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
-    for (const Index t : star.triangle) {
-      if (has_angle_under(state, t, state.limits.min_angle) && mend_triangle(state, worker, t)) break;
+    if (energy(place) >= kEnergyFall * energy(state.mesh.points[v] - origin) ||
+        !try_relocation(state, worker, v, origin + place, false)) {
+      state.settled[v] = signature;
     }
-  }
+  });
 }
 
-void sliver_pass(CertifiedState& state, Worker& worker, VertexRange range) {
-  Star star;
-  for (Index v = range.first; v < range.second; ++v) {
-    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
-    for (const Index t : star.triangle) {
-      if (has_angle_under(state, t, kSliverAngle) && mend_sliver(state, worker, t)) break;
-    }
-  }
-}
-
-void fit_pass(CertifiedState& state, Worker& worker, VertexRange range) {
+void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
   if (state.reverse_tolerance <= 0) return;
-  Star star;
-  for (Index v = range.first; v < range.second; ++v) {
-    if (!is_alive(state.mesh, v) || state.mesh.is_locked[v] || !gather_star(state.mesh, v, star)) continue;
+  for_free_vertices(state.mesh, vertices, [&](Index v, const Star& star) {
+    const double height = mean_height(state, star);
+    if (std::abs(height) <= kLeastFit * state.tolerance) return;
     const Vec3 normal = star_normal(state.mesh, star, v);
-    double offset = 0, weight = 0;
+    try_relocation(state, worker, v, state.mesh.points[v] + normal * (0.5 * height), false);
+  });
+}
+
+void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double aim) {
+  const double limit = std::exchange(worker.limits.min_angle, aim);
+  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
-      const auto& c = state.mesh.triangles[t].corner;
-      const Vec3 a = state.mesh.points[c[0]];
-      const Vec3 n = normalized(cross(state.mesh.points[c[1]] - a, state.mesh.points[c[2]] - a));
-      for (Index s = state.proofs.first[t]; s != kNoIndex; s = state.proofs.next[s]) {
-        const auto p = state.reference.corners(s);
-        const double area = norm(cross(p[1] - p[0], p[2] - p[0]));
-        offset += area * dot((p[0] + p[1] + p[2]) / 3 - a, n);
-        weight += area;
-      }
+      if (!has_angle_under(state, t, aim)) continue;
+      const std::uint32_t signature = signature_of(state.mesh, t);
+      if (state.unmended[t] == signature) continue;
+      if (mend_triangle(state, worker, t)) break;
+      state.unmended[t] = signature;
     }
-    if (weight > 0 && std::abs(offset) > 1e-3 * weight * state.tolerance) {
-      try_relocation(state, worker, v, state.mesh.points[v] + normal * (0.5 * offset / weight), false);
+  });
+  worker.limits.min_angle = limit;
+}
+
+void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+  worker.limits.worst_angle_first = true;
+  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
+    for (const Index t : star.triangle) {
+      if (!has_angle_under(state, t, worker.limits.min_angle)) continue;
+      const std::uint32_t signature = signature_of(state.mesh, t) + kSliverMark;
+      if (state.unmended[t] == signature) continue;
+      if (mend_sliver(state, worker, t)) break;
+      state.unmended[t] = signature;
     }
-  }
+  });
+  worker.limits.worst_angle_first = false;
 }
 
 }  // namespace periost

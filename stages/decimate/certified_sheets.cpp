@@ -105,6 +105,11 @@ SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int 
   if (mesh.points.empty()) return;
   while (count_cells() > kMostCells) side_ *= 2;
   cells_.resize(count_cells());
+  refill(mesh);
+}
+
+void SheetGrid::refill(const CertifiedMesh& mesh) {
+  for (auto& cell : cells_) cell.clear();
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangles[t].is_alive()) insert(t, corners_now(mesh, t));
   }

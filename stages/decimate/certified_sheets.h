@@ -28,6 +28,12 @@ class SheetGrid {
   bool would_intersect(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around,
                        SheetScratch& scratch);
 
+  // Enters all living triangles anew, and nothing else.
+  void refill(const CertifiedMesh& mesh);
+
+  // Voxels a side; cell borders are at its multiples in the image's index space.
+  double side() const { return side_; }
+
   // Enters the triangles of a proposal that has been applied.
   void insert(const CertifiedMesh& mesh, const Proposal& proposal);
 
