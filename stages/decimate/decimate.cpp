@@ -4,6 +4,7 @@
 #include "pipeline/geometry/simplex_dual.h"
 #include "stages/decimate/certified.h"
 #include "stages/decimate/paper.h"
+#include "stages/decimate/pieces.h"
 
 namespace periost {
 namespace {
@@ -21,6 +22,18 @@ void drop_small_components(SimplexMesh& mesh, int least_triangles) {
   compact(mesh);
 }
 
+SimplexMesh decimate_whole(const Isosurface& isosurface, const DecimateOptions& options, double distance_mm,
+                           std::uint64_t seed, Context& context) {
+  ContouredMesh model{dual_simplex_mesh(isosurface.surface), {}};
+  if (options.small_components == SmallComponents::kDrop)
+    drop_small_components(model.mesh, options.small_triangles);
+  model.contours = close_contours(model.mesh, isosurface.frame);
+  decimate_paper(isosurface, options, distance_mm, seed, {}, model, context);
+  open_contours(model.mesh, model.contours);
+  compact(model.mesh);
+  return std::move(model.mesh);
+}
+
 }  // namespace
 
 SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& options, Context& context) {
@@ -33,15 +46,10 @@ SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& option
 
   const double distance_mm = options.distance.in_mm(voxel_mm);
   const std::uint64_t seed = options.seed != 0 ? options.seed : context.seed;
-  SimplexMesh mesh = dual_simplex_mesh(isosurface.surface);
-  if (options.small_components == SmallComponents::kDrop)
-    drop_small_components(mesh, options.small_triangles);
-  ContouredMesh model{std::move(mesh), {}};
-  model.contours = close_contours(model.mesh, isosurface.frame);
-  decimate_paper(isosurface, options, distance_mm, seed, {}, model, context);
-  open_contours(model.mesh, model.contours);
-  mesh = std::move(model.mesh);
-  compact(mesh);
+  SimplexMesh mesh = options.pieces > 1
+                         ? decimate_in_pieces(isosurface, static_cast<std::uint32_t>(options.pieces), options,
+                                              distance_mm, seed, context)
+                         : decimate_whole(isosurface, options, distance_mm, seed, context);
   PERIOST_ASSERT(check_simplex_mesh(mesh).empty());
   mesh.report.triangles_before = isosurface.surface.triangles.size();
   mesh.report.triangles_after = mesh.face.size();

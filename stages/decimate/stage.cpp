@@ -61,6 +61,9 @@ class DecimateStage final : public StageOf<DecimateOptions> {
                "What happens to closed surfaces of fewer than small_triangles triangles.")
         .param("small_triangles", &O::small_triangles, Quantity::kCount, Range::between(0, 1e6),
                "Below this many triangles a component is not decimated.")
+        .param("pieces", &O::pieces, Quantity::kCount, Range::between(0, 10000),
+               "Parts that the isosurface is cut into along planes of the image, decimated apart and sewn "
+               "(method paper); 0 leaves it whole.")
         .param("seed", &O::seed, Quantity::kCount, Range::at_least(0),
                "Seed of the random order of edges; 0 takes the run's.");
   }
