@@ -1,5 +1,8 @@
 #include "stages/decimate/pieces.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "pipeline/base/error.h"
@@ -167,6 +170,8 @@ SimplexMesh decimate_in_pieces(const Isosurface& isosurface, std::uint32_t piece
                                const DecimateOptions& options, double distance_mm, std::uint64_t seed,
                                Context& context) {
   const CutPlanes planes = choose_cut(isosurface, pieces);
+  context.info("decimate.pieces", fmt::format("cut across axis {} at the voxels {}", "ijk"[planes.axis],
+                                              fmt::join(planes.at, ", ")));
   std::vector<Piece> done(planes.at.size() + 1);
   {
     Progress progress(context, "decimate pieces", done.size());
