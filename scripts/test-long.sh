@@ -6,8 +6,8 @@ set -euo pipefail
 mkdir -p "$root/build"
 "$root/scripts/setup.sh"
 "$root/scripts/check-style.sh"
-"$root/scripts/test-sanitizers.sh" --all
+"$root/scripts/test-sanitizers.sh"
 say "every test with sanitizers"
-(cd "$root" && ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -E '^unit\.' -j "$(jobs)")
+(cd "$root" && ASAN_OPTIONS=detect_leaks=0 ctest --preset strict -E '^unit\.' -j "$(jobs)")
 "$root/scripts/test-bare.sh"
 "$root/scripts/test-bare.sh" scripts/test.sh

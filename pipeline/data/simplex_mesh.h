@@ -27,7 +27,8 @@ constexpr std::uint32_t index_of(SimplexFace f) {
 struct DecimationReport {
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_after = 0;
-  std::uint64_t removals = 0;
+  std::uint64_t removals = 0;    // T1^2
+  std::uint64_t insertions = 0;  // T2^2 that mend angles; not the undoing of a removal
   std::uint64_t swaps = 0;
   std::uint64_t relocations = 0;
   std::uint32_t pieces = 1;

@@ -36,6 +36,7 @@ Json json_of(const DecimationReport& r) {
           {"triangles_after", r.triangles_after},
           {"rate", r.rate()},
           {"removals", r.removals},
+          {"insertions", r.insertions},
           {"swaps", r.swaps},
           {"relocations", r.relocations},
           {"pieces", r.pieces},

@@ -154,6 +154,7 @@ class Schedule {
     const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
     std::unique_ptr<Worker> worker = take_worker();
     worker->limits = limits_of(options_);
+    worker->quota = std::numeric_limits<std::size_t>::max();
     worker->region_lo = regions[0].lo;
     worker->region_hi = regions[0].hi;
     for (Index v = 0; v < state_.mesh.points.size(); ++v) {
@@ -259,6 +260,7 @@ DecimationReport make_report(const MoveCounts& counts, const Isosurface& isosurf
   report.triangles_before = isosurface.surface.triangles.size();
   report.triangles_after = after;
   report.removals = counts.removals;
+  report.insertions = counts.insertions;
   report.swaps = counts.swaps;
   report.relocations = counts.relocations;
   report.requested_distance_mm = tolerance_mm(isosurface, options);

@@ -63,8 +63,8 @@ bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star);
 
 enum class MoveKind { kRemoval, kSwap, kRelocation, kInsertion };
 
-// A replacement of the triangles `before` by `after`, which keep some of the ids. An insertion brings in ids of
-// dead elements as well.
+// A replacement of the triangles `before` by `after`, which keep some of the ids. An insertion brings in ids
+// of dead elements as well.
 struct Proposal {
   MoveKind kind = MoveKind::kRelocation;
   FixedList<Index, kMaxRing> before;          // ids of triangles
@@ -108,8 +108,8 @@ struct Proposal {
 bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
 // T7^2: that edge is flipped, in the dual.
 bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
-// T2^2, the inverse of T1^2: a dual vertex is inserted on that edge. `vertex` and the two `triangles` are dead
-// ones that come to life.
+// T2^2, the inverse of T1^2: a dual vertex is inserted on that edge. `vertex` and the two `triangles` are
+// dead ones that come to life.
 bool propose_insertion(const CertifiedMesh& mesh, Index triangle, std::size_t k, Index vertex,
                        const std::array<Index, 2>& triangles, Proposal& proposal);
 // One dual vertex moves; the topology stays.

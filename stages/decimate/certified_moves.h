@@ -42,7 +42,7 @@ struct MoveCounts {
 // What one thread needs besides.
 struct Worker {
   GuardLimits limits;
-  std::size_t quota = std::numeric_limits<std::size_t>::max();  // removals that removal_pass may still make
+  std::size_t quota = std::numeric_limits<std::size_t>::max();  // removals that passes may still make
   Proposal proposal;
   ForwardScratch forward;
   ReverseScratch reverse;

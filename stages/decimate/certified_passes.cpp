@@ -181,7 +181,10 @@ bool mend_triangle(CertifiedState& state, Worker& worker, Index t) {
     }
   }
   for (const std::size_t k : {shortest, (shortest + 1) % 3, (shortest + 2) % 3}) {
-    if (try_removal(state, worker, t, k) || try_mending_removal(state, worker, t, k)) return true;
+    if (worker.quota == 0) break;
+    if (!try_removal(state, worker, t, k) && !try_mending_removal(state, worker, t, k)) continue;
+    --worker.quota;
+    return true;
   }
   Star star;
   std::vector<Vec3> places;

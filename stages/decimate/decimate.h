@@ -30,7 +30,7 @@ struct DecimateOptions {
   int iterations = 5;                // of the law of motion after each operator
   Angle min_angle = Angle::deg(30);  // certified only: smallest angle of the dual triangles
   ReverseDistance reverse = ReverseDistance::kOnce;  // certified only: tolerance of the reverse distance
-  std::size_t max_triangles = 0;                     // certified only: stop at this many; 0: go on to the end
+  std::size_t max_triangles = 0;  // certified only: then only angles are mended; 0: to the end
   SmallComponents small_components = SmallComponents::kKeep;  // what to do with tiny closed surfaces
   int small_triangles = 100;                                  // a component with fewer triangles is tiny
   int pieces = 0;          // paper only: parts decimated apart along image planes and sewn; 0: one

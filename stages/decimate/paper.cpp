@@ -50,7 +50,7 @@ class ComponentDecimator {
   bool check_barycentric(double before);
   bool check_distance(double vertices_before, double centres_before);
   bool keeps_contours_on_removal(SimplexEdge edge, const EdgeFaces& f) const;
-  bool keeps_contours_on_swap(SimplexEdge edge, const EdgeFaces& f) const;
+  bool keeps_contours_on_swap(const EdgeFaces& f) const;
   bool has_chord(SimplexFace face) const;
   bool is_hole(SimplexFace face) const { return shared_.contours.contours.is_over_hole(face); }
   std::uint32_t crowding_of(SimplexFace face) const { return crowding(shared_.contours, mesh_, face); }
@@ -206,7 +206,7 @@ bool ComponentDecimator::keeps_contours_on_removal(SimplexEdge edge, const EdgeF
          !(is_pinned(model, mesh_, f.left) && is_pinned(model, mesh_, f.right));
 }
 
-bool ComponentDecimator::keeps_contours_on_swap(SimplexEdge edge, const EdgeFaces& f) const {
+bool ComponentDecimator::keeps_contours_on_swap(const EdgeFaces& f) const {
   const ContourModel& model = shared_.contours;
   if (model.contours.empty()) return true;
   for (const SimplexFace face : {f.left, f.right, f.opposite_v, f.opposite_w}) {
@@ -238,7 +238,7 @@ bool ComponentDecimator::has_chord(SimplexFace face) const {
 Outcome ComponentDecimator::try_swap(SimplexEdge edge) {
   if (topological_criterion(shared_.contours, mesh_, edge) <= 2) return Outcome::kNotIndicated;
   const EdgeFaces f = faces_of(mesh_, edge);
-  if (!keeps_contours_on_swap(edge, f) || legality_of_swap(mesh_, edge) != Legality::kLegal) {
+  if (!keeps_contours_on_swap(f) || legality_of_swap(mesh_, edge) != Legality::kLegal) {
     ++report_.rejected_link;
     return Outcome::kRefused;
   }

@@ -53,10 +53,10 @@ class DecimateStage final : public StageOf<DecimateOptions> {
                "Smallest angle of a triangle of the triangulation (method certified).")
         .param("reverse", &O::reverse, Quantity::kNone, Range::any(),
                "How far the isosurface may lie from the triangulation, in distances (method certified).")
-        .param(
-            "max_triangles", &O::max_triangles, Quantity::kCount, Range::at_least(0),
-            "Stops when the triangulation has no more triangles than this; 0 goes on as long as the criteria "
-            "allow (method certified).")
+        .param("max_triangles", &O::max_triangles, Quantity::kCount, Range::at_least(0),
+               "Stops when the triangulation has no more triangles than this, but for the mending of bad "
+               "angles; "
+               "0 goes on as long as the criteria allow (method certified).")
         .param("small_components", &O::small_components, Quantity::kNone, Range::any(),
                "What happens to closed surfaces of fewer than small_triangles triangles.")
         .param("small_triangles", &O::small_triangles, Quantity::kCount, Range::between(0, 1e6),

@@ -59,6 +59,14 @@ inline Isosurface near_sheets() {
   });
 }
 
+// The same, larger: several regions of the certified scheme.
+inline Isosurface large_sheets() {
+  return isosurface_of({44, 44, 16}, [](Vec3 p) {
+    const double z = p.z - 7.5 + 1.4 * std::sin(0.2 * p.x) * std::cos(0.17 * p.y);
+    return 0.6 - std::min(std::abs(z - 1.1), std::abs(z + 1.1));
+  });
+}
+
 inline Isosurface white_noise(std::uint64_t seed) {
   Random random(seed, 0);
   return isosurface_of({9, 8, 9}, [&](Vec3) { return random.uniform() - 0.5; });

@@ -70,7 +70,8 @@ TEST_P(Certified, KeepsItsPromises) {
   EXPECT_LE(backward, tolerance);
   EXPECT_GE(mesh.report.rate(), GetParam().least_rate);
   EXPECT_EQ(mesh.report.triangles_after, result.triangles.size());
-  EXPECT_EQ(mesh.report.triangles_before - 2 * mesh.report.removals, mesh.report.triangles_after);
+  EXPECT_EQ(mesh.report.triangles_before + 2 * mesh.report.insertions - 2 * mesh.report.removals,
+            mesh.report.triangles_after);
   const auto angles = sorted_angles(result);
   EXPECT_GE(angles[angles.size() / 100], GetParam().p01_angle);
   EXPECT_EQ(mesh.face_fields.at("blocked_by").size(), mesh.dual_position.size());
@@ -91,6 +92,98 @@ TEST(Certified, IsDeterministicForAnyNumberOfThreads) {
   const SurfaceMesh one = decimated(isosurface, {}), two = decimated(isosurface, {}, nullptr, 2);
   EXPECT_EQ(one.points, two.points);
   EXPECT_EQ(one.triangles, two.triangles);
+}
+
+// Large enough to be cut into several regions, with sheets across the seams.
+TEST(Certified, RegionsDoNotShowInTheResult) {
+  const Isosurface isosurface = shapes::large_sheets();
+  ASSERT_GT(isosurface.surface.points.size(), 6500u);  // more than one region
+  DecimateOptions options;
+  SimplexMesh mesh;
+  const SurfaceMesh one = decimated(isosurface, options, &mesh),
+                    four = decimated(isosurface, options, nullptr, 4);
+  EXPECT_EQ(one.points, four.points);
+  EXPECT_EQ(one.triangles, four.triangles);
+  const Topology before = examine_topology(isosurface.surface), after = examine_topology(one);
+  EXPECT_TRUE(after.is_closed());
+  EXPECT_TRUE(after.is_manifold());
+  EXPECT_EQ(after.euler, before.euler);
+  EXPECT_EQ(check_simplex_mesh(mesh), "");
+  EXPECT_TRUE(self_intersections(one, Context{}).empty());
+  const double tolerance = options.distance.in_mm(isosurface.frame.largest_spacing());
+  const auto [forward, backward] = distances(one, isosurface);
+  EXPECT_LE(forward, tolerance);
+  EXPECT_LE(backward, tolerance);
+  const auto angles = sorted_angles(one);
+  EXPECT_GE(angles[0], 20);
+  EXPECT_GE(mesh.report.rate(), 0.85);
+}
+
+TEST(Certified, StopsAtACount) {
+  const Isosurface isosurface = shapes::large_sheets();
+  const std::size_t count = isosurface.surface.triangles.size();
+  DecimateOptions options;
+  options.max_triangles = count / 3;
+  const SurfaceMesh result = decimated(isosurface, options);
+  EXPECT_LE(result.triangles.size(), options.max_triangles);
+  EXPECT_GE(result.triangles.size(), options.max_triangles * 93 / 100);
+}
+
+// T2^2 and T1^2 on the same place: what was there before, and the same neighbours.
+TEST(Certified, InsertionIsTheInverseOfRemoval) {
+  const Isosurface isosurface = shapes::ellipsoid();
+  const Reference reference(isosurface);
+  CertifiedMesh mesh = make_certified_mesh(reference);
+  Proposal proposal;
+  Index t = 100;
+  while (!propose_removal(mesh, t, 0, proposal)) ++t;
+  proposal.place = mesh.points[proposal.moved];
+  proposal.place_nearest = mesh.nearest[proposal.moved];
+  const Index vertex = proposal.removed;
+  std::array<Index, 2> dead{kNoIndex, kNoIndex};
+  std::size_t count = 0;
+  for (const Index old : proposal.before) {
+    if (!proposal.after.contains(old)) dead[count++] = old;
+  }
+  ASSERT_EQ(count, 2u);
+  apply(proposal, mesh);
+  const CertifiedMesh before = mesh;
+  const Index edge = proposal.after[0];
+  mesh.valence[vertex] = 0;
+  ASSERT_TRUE(propose_insertion(mesh, edge, 0, vertex, dead, proposal));
+  const auto c = mesh.triangles[edge].corner;
+  proposal.place = (mesh.points[c[1]] + mesh.points[c[2]]) * 0.5;
+  proposal.place_nearest = mesh.nearest[c[1]];
+  apply(proposal, mesh);
+  Star star;
+  ASSERT_TRUE(gather_star(mesh, vertex, star));
+  EXPECT_EQ(star.triangle.size(), 4u);
+  EXPECT_EQ(mesh.valence[vertex], 4);
+  // The inserted vertex is merged into the end of its edge again.
+  for (std::size_t k = 0; k < 3; ++k) {
+    const LinkedTriangle cell = mesh.triangles[edge];
+    if (cell.corner[(k + 1) % 3] != c[1] || cell.corner[(k + 2) % 3] != vertex) continue;
+    ASSERT_TRUE(propose_removal(mesh, edge, k, proposal));
+    proposal.place = mesh.points[proposal.moved];
+    proposal.place_nearest = mesh.nearest[proposal.moved];
+    apply(proposal, mesh);
+    break;
+  }
+  EXPECT_EQ(mesh.incident[vertex], kNoIndex);
+  const auto corners = [](const CertifiedMesh& m) {
+    std::vector<std::array<Index, 3>> all;
+    for (const LinkedTriangle& triangle : m.triangles) {
+      auto corner = triangle.corner;
+      if (!triangle.is_alive()) continue;
+      std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end()), corner.end());
+      all.push_back(corner);
+    }
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  EXPECT_EQ(corners(mesh), corners(before));
+  mesh.valence[vertex] = before.valence[vertex];
+  EXPECT_EQ(mesh.valence, before.valence);
 }
 
 TEST(Certified, DropsSmallComponentsOnRequest) {
