@@ -59,7 +59,7 @@ class Curves {
 std::vector<std::uint64_t> triangles_below(const Isosurface& isosurface, std::size_t axis) {
   std::vector<std::uint64_t> below(static_cast<std::size_t>(isosurface.frame.dims[axis]) + 2, 0);
   for_each_cell(isosurface, [&](const CellIndex& cell, Index begin, Index end) {
-    below[static_cast<std::size_t>(cell[axis] + 1)] += end - begin;  // cells -1 .. dims - 1
+    below[static_cast<std::size_t>(cell[axis]) + 1] += end - begin;  // cells -1 .. dims - 1
   });
   // Now the count of cell c stands at c + 1; cells below plane c are -1 .. c - 1.
   std::partial_sum(below.begin(), below.end(), below.begin());

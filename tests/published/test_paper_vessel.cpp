@@ -84,31 +84,23 @@ double density_against_curvature(const SurfaceMesh& surface, const Isosurface& i
   return correlation(ranks(density), ranks(curvature));
 }
 
-class PublishedVessel : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    isosurface_ = new Isosurface(test::phantom_isosurface(PhantomShape::kVessel, 190));
-  }
-  static void TearDownTestSuite() {
-    delete isosurface_;
-    isosurface_ = nullptr;
-  }
-  static const Isosurface& isosurface() { return *isosurface_; }
-  static void expect_whole(const SimplexMesh& mesh) {
-    EXPECT_EQ(check_simplex_mesh(mesh), "");
-    const SimplexMesh original = dual_simplex_mesh(isosurface().surface);
-    EXPECT_EQ(components_of(mesh).count, components_of(original).count);
-    EXPECT_EQ(euler_number(mesh), euler_number(original));
-    const Topology topology = examine_topology(dual_triangulation(mesh));
-    EXPECT_TRUE(topology.is_closed());
-    EXPECT_TRUE(topology.is_manifold());
-    EXPECT_TRUE(topology.is_oriented());
-  }
-  static Isosurface* isosurface_;
-};
-Isosurface* PublishedVessel::isosurface_ = nullptr;
+const Isosurface& isosurface() {
+  static const Isosurface vessel = test::phantom_isosurface(PhantomShape::kVessel, 190);
+  return vessel;
+}
 
-TEST_F(PublishedVessel, Table1AtThirtyPercentAndFigure7) {
+void expect_whole(const SimplexMesh& mesh) {
+  EXPECT_EQ(check_simplex_mesh(mesh), "");
+  const SimplexMesh original = dual_simplex_mesh(isosurface().surface);
+  EXPECT_EQ(components_of(mesh).count, components_of(original).count);
+  EXPECT_EQ(euler_number(mesh), euler_number(original));
+  const Topology topology = examine_topology(dual_triangulation(mesh));
+  EXPECT_TRUE(topology.is_closed());
+  EXPECT_TRUE(topology.is_manifold());
+  EXPECT_TRUE(topology.is_oriented());
+}
+
+TEST(PublishedVessel, Table1AtThirtyPercentAndFigure7) {
   EXPECT_NEAR(static_cast<double>(isosurface().surface.triangles.size()), 126738, 2000);
   const SimplexMesh mesh = test::decimated(isosurface(), test::paper_options(0.3));
   expect_whole(mesh);
@@ -119,7 +111,7 @@ TEST_F(PublishedVessel, Table1AtThirtyPercentAndFigure7) {
   EXPECT_GT(correlation, 0.3);
 }
 
-TEST_F(PublishedVessel, Table1AtTwentyPercentInFourPiecesSewn) {
+TEST(PublishedVessel, Table1AtTwentyPercentInFourPiecesSewn) {
   const CutPlanes planes = choose_cut(isosurface(), 4);
   ASSERT_EQ(planes.at.size(), 3u);
   DecimateOptions options = test::paper_options(0.2);
