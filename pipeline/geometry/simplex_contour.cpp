@@ -48,6 +48,11 @@ void add_holes(SimplexMesh& mesh, Contours& contours) {
     contours.is_hole.push_back(1);
   }
   for (auto& [name, values] : mesh.face_fields) values.resize(mesh.valence.size(), 0);
+  contours.may_be_cut.assign(mesh.valence.size(), 0);
+  for (std::size_t i = 0; i < mesh.face.size(); ++i) {
+    if (contours.side[i] == kInside || !mesh.is_live(vertex_at(i))) continue;
+    for (const std::size_t k : {0u, 1u}) contours.may_be_cut[index_of(mesh.face[i][k])] = 1;
+  }
 }
 
 void append(SimplexMesh& mesh, const SimplexMesh& part) {
@@ -211,16 +216,19 @@ void compact(SimplexMesh& mesh, Contours& contours) {
     contours.side.resize(kept);
     kept = 0;
     for (std::size_t f = 0; f < mesh.valence.size(); ++f) {
-      if (mesh.is_live(face_at(f))) contours.is_hole[kept++] = contours.is_hole[f];
+      if (!mesh.is_live(face_at(f))) continue;
+      contours.may_be_cut[kept] = contours.may_be_cut[f];
+      contours.is_hole[kept++] = contours.is_hole[f];
     }
     contours.is_hole.resize(kept);
+    contours.may_be_cut.resize(kept);
   }
   compact(mesh);
 }
 
 ContourEdge contour_edge_of(const SimplexMesh& mesh, const Contours& contours, SimplexFace f) {
   ContourEdge edge;
-  if (contours.empty()) return edge;
+  if (contours.empty() || contours.may_be_cut[index_of(f)] == 0) return edge;
   for_each_vertex(mesh, f, [&](SimplexVertex v) {
     if (contours.side[index_of(v)] == kInside) return;
     // Around its face 1 a contour vertex is followed by its inner neighbour, around its face 0 preceded.

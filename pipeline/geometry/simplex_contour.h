@@ -22,10 +22,12 @@ namespace periost {
 inline constexpr std::uint8_t kFixedContour = 6;  // on a contour anywhere else: it never moves
 inline constexpr std::uint8_t kInside = 7;        // on no contour
 
-// Beside a mesh whose contours are closed. Both vectors are empty if it has none.
+// Beside a mesh whose contours are closed. All vectors are empty if it has none.
 struct Contours {
   std::vector<std::uint8_t> side;     // of vertices
   std::vector<std::uint8_t> is_hole;  // of faces
+  std::vector<std::uint8_t>
+      may_be_cut;  // of faces: 0 only if no contour cuts it; who merges faces keeps it so
 
   bool empty() const { return side.empty(); }
   bool is_on_contour(SimplexVertex v) const { return !empty() && side[index_of(v)] != kInside; }

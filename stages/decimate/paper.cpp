@@ -23,6 +23,7 @@ struct Shared {
   const Criteria criteria;
   const MotionOptions motion;
   SimplexMesh& mesh;
+  std::vector<std::uint8_t>& may_be_cut;   // of the contours
   const std::vector<std::uint8_t>& start;  // of vertices; empty: all
   Deficits deficits;
   MotionMarks marks;
@@ -276,6 +277,8 @@ Outcome ComponentDecimator::try_removal(SimplexEdge edge) {
   const bool right_is_pinned = is_pinned(shared_.contours, mesh_, f.right);
 
   const RemovedEdge removed = remove_edge(mesh_, edge, &journal_);
+  if (!shared_.may_be_cut.empty() && shared_.may_be_cut[index_of(f.right)] != 0)
+    shared_.may_be_cut[index_of(f.left)] = 1;
   if (right_is_pinned) mesh_.dual_position[index_of(f.left)] = mesh_.dual_position[index_of(f.right)];
   if (has_chord(f.left)) {
     ++report_.rejected_link;
@@ -398,6 +401,7 @@ void decimate_paper(const Isosurface& isosurface, const DecimateOptions& options
                 criteria,
                 motion,
                 mesh,
+                model.contours.may_be_cut,
                 start,
                 measure_deficits(contours, mesh, criteria),
                 MotionMarks(mesh.face.size()),
