@@ -11,7 +11,7 @@ bare=${PERIOST_BARE_ROOT:-/var/tmp/periost-bare}
 if [ ! -e "$bare/etc/debian_version" ]; then
   say "making a minimal Debian 12 in $bare"
   mirror=$(grep -rhoE 'https?://[^ ]*debian\.org/debian\b' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null |
-    grep -v snapshot | head -n 1)
+    grep -v snapshot | head -n 1 || true)  # without a match, or a list: Debian's own
   debootstrap --variant=minbase bookworm "$bare" "${mirror:-http://deb.debian.org/debian}"
 fi
 # The host's way to its package mirror, and to its certificates where that way is encrypted.
