@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "pipeline/base/error.h"
 #include "pipeline/base/parallel.h"
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/simplex_dual.h"
@@ -216,7 +215,6 @@ bool ComponentDecimator::keeps_contours_on_swap(const EdgeFaces& f) const {
   for (const SimplexFace face : {f.left, f.right}) {
     if (is_on_fixed_contour(model, mesh_, face) && valence_of(mesh_, face) <= 4) return false;
   }
-  PERIOST_ASSERT(!model.contours.is_on_contour(edge.vertex));
   return !(is_on_fixed_contour(model, mesh_, f.opposite_v) &&
            is_on_fixed_contour(model, mesh_, f.opposite_w));
 }
