@@ -8,7 +8,7 @@ out=${1:-$root/runs/cranium}
 mkdir -p "$root/build"
 "$root/scripts/setup.sh" --build-only
 say "building"
-build release --target periost periost-tetgen
+with_tests=OFF build release --target periost periost-tetgen
 say "fetching the CT head of Debian's invesalius-examples"
 PERIOST_CRANIUM=$(cranium)
 export PERIOST_CRANIUM

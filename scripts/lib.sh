@@ -13,11 +13,11 @@ jobs() {
   echo $((cores < memory ? cores : memory))
 }
 
-# Configures and builds a preset.
+# Configures and builds a preset, with its tests unless with_tests=OFF is set (they need more packages).
 build() {
   local preset=$1
   shift
-  (cd "$root" && cmake --preset "$preset" >"$root/build/$preset.configure.log" 2>&1) ||
+  (cd "$root" && cmake --preset "$preset" -DPERIOST_TESTS="${with_tests:-ON}" >"$root/build/$preset.configure.log" 2>&1) ||
     { tail -n 30 "$root/build/$preset.configure.log" >&2; die "cmake could not configure preset '$preset'"; }
   (cd "$root" && cmake --build --preset "$preset" -j "$(jobs)" "$@")
 }
