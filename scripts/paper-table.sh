@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the paper's examples with both methods and writes the table of docs/paper.md. About two minutes.
+# Runs the paper's examples with both methods and writes the table of docs/paper.md. Two to four minutes.
 #   scripts/paper-table.sh [PERIOST]     the program; default: the release build, made if it is not there
 # PERIOST_TEST_DATA names the folder with the real ventricles; without it their rows are left out.
 set -euo pipefail
