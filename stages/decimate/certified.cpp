@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -11,6 +12,7 @@
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/simplex_dual.h"
+#include "stages/decimate/certified_deform.h"
 #include "stages/decimate/certified_passes.h"
 #include "stages/decimate/certified_regions.h"
 
@@ -20,9 +22,9 @@ namespace {
 constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
 constexpr int kSheetSide = 2;          // voxels
 constexpr int kStages = 6;             // removal stages by cost
-constexpr int kFinalRounds = 8;        // removals of any cost, each with mending, after the last stage
-constexpr double kWorthwhile = 0.005;  // part of the vertices a final round must remove to go on
-constexpr double kAim = 1.33;          // times the least angle: what mending aims at between removals
+constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
+constexpr double kWorthwhile = 0.004;  // part of the triangles that a final round must remove to go on
+constexpr double kAim = 1.45;          // times the least angle: what mending aims at between removals
 constexpr int kSliverRounds = 24;
 constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
 constexpr std::size_t kLeastOfARegion = 3000;  // vertices
@@ -115,7 +117,7 @@ class Schedule {
       : state_(state),
         options_(options),
         context_(context),
-        progress_(context, "decimating", kStages + kFinalRounds + 2) {}
+        progress_(context, "decimating", kStages + kFinalRounds + 3) {}
 
   void run() {
     sweep(kTopologySlack, swap_pass);
@@ -133,6 +135,7 @@ class Schedule {
       const std::size_t after = living_triangles(state_.mesh);
       if (static_cast<double>(before - after) < kWorthwhile * static_cast<double>(after)) break;
     }
+    deform();
     sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
       angle_pass(state, worker, vertices, worker.limits.min_angle);
       fit_pass(state, worker, vertices);
@@ -149,6 +152,19 @@ class Schedule {
   }
 
  private:
+  // The steps of the law of motion, each within what is proved.
+  void deform() {
+    std::vector<Vec3> previous;
+    for (int step = 0; step < options_.iterations; ++step) {
+      const auto places = deformed_places(state_, options_, previous, context_);
+      previous = state_.mesh.points;
+      sweep(kTopologySlack, [&places](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        deformation_pass(state, worker, vertices, places);
+      });
+    }
+    end_step("deformation");
+  }
+
   // Few triangles are concerned, so all of space is one region and none is spared at a seam.
   void mend_slivers() {
     const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);

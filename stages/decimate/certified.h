@@ -4,8 +4,9 @@
 //
 // Every simplex face stores its dual vertex, a vertex of the output triangulation. They start at the vertices
 // of marching cubes, where the output is the isosurface itself and both distances are 0. Every move (an edge
-// removal T1^2 with the best place for the merged face's dual vertex, a swap T7^2, the relocation of one dual
-// vertex) replaces the triangles of one ring, and passes every check before anything is changed:
+// removal T1^2 with the best place for the merged face's dual vertex, its inverse T2^2, a swap T7^2, the
+// relocation of one dual vertex) replaces the triangles of one ring, and passes every check before anything
+// is changed:
 //   link condition, valences 3..9, topological criterion, angles of the dual triangles, barycentric
 //   coordinates, fold and dihedral angles (certified_guard.h); forward and reverse certificate; no
 //   intersection with what stays (certified_sheets.h).
@@ -23,6 +24,13 @@
 // Why the topology stays. Removals meet the link condition and swaps never double an edge, so each component
 // stays a manifold of the same Euler number. Self-intersections are kept out move by move with exact
 // predicates, and looked for once more at the end.
+//
+// Schedule. Swaps; removals by cost in stages, each up to the median cost of the edges left; final rounds of
+// removals of any cost, relocations to the quadric's place, fitting along the normal by half the mean signed
+// height, and mending of angles under 1.45 times the least one, which makes room for the next round; the law
+// of motion (certified_deform.h), `iterations` steps, each vertex as far as the checks allow; angles, and
+// slivers one by one. Space is cut by the data into regions that are worked on at the same time
+// (certified_regions.h).
 //
 // What is aimed for rather than guaranteed. Angles under the limit, which marching cubes makes in numbers,
 // may stay where nothing better was found: their sum of deficits never grows. Moves that make it fall may

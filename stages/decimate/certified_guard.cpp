@@ -58,15 +58,10 @@ Vec3 normal_of(const std::array<Vec3, 3>& c) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]));
 }
 
-// How far the smallest angle falls short of the limit, radians. The smallest angle faces the shortest edge;
-// its cosine decides without a transcendental function where there is no deficit.
+// How far the smallest angle falls short of the limit, radians.
 double angle_deficit(const std::array<Vec3, 3>& c, double limit, double limit_cosine) {
-  const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
-  const double shortest = std::min({a, b, d});
-  const double product = shortest == a ? b * d : shortest == b ? a * d : a * b;
-  const double twice_cosine = (a + b + d - 2 * shortest) / std::sqrt(product);
+  const double twice_cosine = twice_largest_cosine(c);
   if (twice_cosine <= 2 * limit_cosine) return 0;
-  if (!(product > 0)) return limit;
   return limit - std::acos(std::min(1.0, twice_cosine / 2));
 }
 
@@ -124,6 +119,14 @@ void collect_valence_neighbours(const CertifiedMesh& mesh, const Proposal& propo
 }
 
 }  // namespace
+
+// The smallest angle faces the shortest edge.
+double twice_largest_cosine(const std::array<Vec3, 3>& c) {
+  const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
+  const double shortest = std::min({a, b, d});
+  const double product = shortest == a ? b * d : shortest == b ? a * d : a * b;
+  return product > 0 ? (a + b + d - 2 * shortest) / std::sqrt(product) : 2;
+}
 
 double min_angle(const std::array<Vec3, 3>& triangle) {
   constexpr double kRight = 1.5707963267948966;

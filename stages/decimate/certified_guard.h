@@ -28,7 +28,7 @@ struct GuardLimits {
   double min_angle = 0.5235987755982988;  // of dual triangles, radians
   double min_barycentric = 0.1;           // of simplex vertices among their neighbours
   int topology = 3;                       // T: largest |D| of an edge
-  int min_valence = 3;
+  int min_valence = 4;                    // one vertex inside a triangle halves its angles
   int max_valence = 9;
   double fold_cosine = 0.4;        // least product of a new normal with the isosurface's or the old one
   double dihedral_cosine = -0.94;  // least product of the normals over an edge: angles of 20 degrees and more
@@ -39,6 +39,10 @@ struct GuardLimits {
 
 // Smallest angle of a triangle, radians; 0 when degenerate.
 double min_angle(const std::array<Vec3, 3>& triangle);
+
+// Twice the cosine of the smallest angle, which orders triangles as the angle does and costs less; 2 when
+// degenerate.
+double twice_largest_cosine(const std::array<Vec3, 3>& triangle);
 
 // Valences and, unless `only_valences`, the topological criterion.
 bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,

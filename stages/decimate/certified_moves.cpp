@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangential regularisation, in turn
 constexpr double kLengthWeight = 1e-3;                       // of the squared length in the cost
-// Steps along the normal, in tolerances, that are tried where a place is too far from the isosurface or
-// leaves it too far away: the triangles of a bent part lie on one side of it, so its vertices belong on the
-// other.
-constexpr std::array<double, 4> kHeights{0.2, -0.2, 0.4, -0.4};
+// Steps along the normal, in tolerances and away from the rim, that are tried where a place is too far from
+// the isosurface or leaves it too far away: the triangles of a bent part lie on one side of it, so its
+// vertices belong on the other.
+constexpr std::array<double, 2> kHeights{0.2, 0.4};
 // Smaller gains do not count.
 double least_gain(const GuardLimits& limits) {
   return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
@@ -148,9 +148,10 @@ Refusal place_merged(const CertifiedState& state, Worker& worker, Vec3 normal, d
 Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, double gain) {
   Refusal refusal = check_removal(state, worker, normal, gain);
   const Vec3 place = worker.proposal.place;
+  const double side = dot(place - rim_centroid(state.mesh, worker.proposal), normal) > 0 ? 1 : -1;
   for (const double height : kHeights) {
     if (refusal != Refusal::kDistance && refusal != Refusal::kReverse) break;
-    worker.proposal.place = place + normal * (height * state.tolerance);
+    worker.proposal.place = place + normal * (side * height * state.tolerance);
     if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) continue;
     refusal = check_removal(state, worker, normal, gain);
   }

@@ -14,6 +14,7 @@ constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to t
 constexpr int kSwapRounds = 4;        // around one removal
 constexpr double kLeastFit = 1e-3;    // tolerances: smaller mean heights are left
 
+constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
 constexpr std::uint32_t kSliverMark = 0x51D0;  // tells signatures of sliver_pass from those of angle_pass
 
 struct Candidate {
@@ -222,13 +223,24 @@ void surrounding_places(const CertifiedState& state, Index vertex, const Star& s
   }
 }
 
+// The place that helps most is tried first.
 bool move_around(CertifiedState& state, Worker& worker, Index vertex) {
   Star star;
   std::vector<Vec3> places;
-  if (state.mesh.is_locked[vertex] || !gather_star(state.mesh, vertex, star)) return false;
+  Proposal& proposal = worker.proposal;
+  if (!gather_star(state.mesh, vertex, star) || !propose_relocation(state.mesh, vertex, proposal))
+    return false;
   surrounding_places(state, vertex, star, places);
-  return std::any_of(places.begin(), places.end(),
-                     [&](const Vec3& place) { return try_relocation(state, worker, vertex, place, true); });
+  std::vector<std::pair<double, std::size_t>> gains;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    double gain = 0;
+    proposal.place = places[i];
+    if (meets_angles(state.mesh, proposal, worker.limits, &gain)) gains.emplace_back(-gain, i);
+  }
+  std::sort(gains.begin(), gains.end());
+  return std::any_of(gains.begin(), gains.end(), [&](const auto& gain) {
+    return try_relocation(state, worker, vertex, places[gain.second], true);
+  });
 }
 
 bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
@@ -365,7 +377,10 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
 }
 
 void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+  const GuardLimits limits = worker.limits;
   worker.limits.worst_angle_first = true;
+  worker.limits.fold_cosine = kSliverFoldCosine;
+  worker.limits.min_valence = 3;
   for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
       if (!has_angle_under(state, t, worker.limits.min_angle)) continue;
@@ -375,7 +390,7 @@ void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertic
       state.unmended[t] = signature;
     }
   });
-  worker.limits.worst_angle_first = false;
+  worker.limits = limits;
 }
 
 }  // namespace periost

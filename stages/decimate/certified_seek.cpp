@@ -1,13 +1,16 @@
 #include "stages/decimate/certified_seek.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace periost {
 namespace {
 
 constexpr int kSteps = 12;
-constexpr double kBeyond = 1.1;  // steps go a little further than needed
-constexpr double kExtra = 1e-3;  // radians
+constexpr int kPatience = 4;       // so many steps must bring the worst cosine
+constexpr double kProgress = 0.5;  // this part of the way to the limit
+constexpr double kBeyond = 1.1;    // steps go a little further than needed
+constexpr double kExtra = 1e-3;    // radians
 
 // The place and the two other corners of a cell, in its order from the moved vertex on.
 std::array<Vec3, 3> corners_from_place(const CertifiedMesh& mesh, const Proposal& proposal,
@@ -29,39 +32,44 @@ Vec3 smallest_angle_gradient(const std::array<Vec3, 3>& c) {
   return b <= d ? at1 : at2;
 }
 
-// The cell with the smallest angle under the limit; false when there is none.
-bool find_worst(const CertifiedMesh& mesh, const Proposal& proposal, double& angle,
-                std::array<Vec3, 3>& corners) {
-  bool is_found = false;
+// The triangle with the smallest angle; twice the cosine of that.
+double find_worst(const CertifiedMesh& mesh, const Proposal& proposal, std::array<Vec3, 3>& corners) {
+  double worst = -2;
   for (const LinkedTriangle& cell : proposal.cells) {
     const auto c = corners_from_place(mesh, proposal, cell);
-    const double own = min_angle(c);
-    if (own >= angle) continue;
-    angle = own;
+    const double cosine = twice_largest_cosine(c);
+    if (cosine <= worst) continue;
+    worst = cosine;
     corners = c;
-    is_found = true;
   }
-  return is_found;
+  return worst;
 }
 
 }  // namespace
 
 bool seek_angles(const CertifiedMesh& mesh, const GuardLimits& limits, const Quadric& quadric, Vec3 origin,
                  Vec3 normal, Proposal& proposal) {
+  const double limit = 2 * std::cos(limits.min_angle);
+  double earlier = 2;
   for (int step = 0; step < kSteps; ++step) {
-    double angle = limits.min_angle;
     std::array<Vec3, 3> corners;
-    if (!find_worst(mesh, proposal, angle, corners)) {
+    const double worst = find_worst(mesh, proposal, corners);
+    if (worst <= limit) {
       const double curvature = dot(normal, quadric.times(normal));
       if (!(curvature > 0)) return true;
       const Vec3 slope = quadric.times(proposal.place - origin) + quadric.b;
       proposal.place += normal * (-dot(normal, slope) / curvature);
       return meets_angles(mesh, proposal, limits);
     }
+    if (step % kPatience == kPatience - 1) {
+      if (worst - limit > kProgress * (earlier - limit)) return false;
+      earlier = worst;
+    }
     Vec3 gradient = smallest_angle_gradient(corners);
     gradient -= normal * dot(gradient, normal);
     const double size = squared_norm(gradient);
     if (!(size > 0)) return false;
+    const double angle = std::acos(std::min(1.0, worst / 2));
     proposal.place += gradient * (kBeyond * (limits.min_angle - angle + kExtra) / size);
   }
   return false;

@@ -7,6 +7,7 @@
 #include "certified_shapes.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/simplex_dual.h"
+#include "pipeline/geometry/simplex_geometry.h"
 #include "pipeline/geometry/surface_distance.h"
 #include "pipeline/geometry/topology.h"
 #include "stages/decimate/certified.h"
@@ -117,6 +118,34 @@ TEST(Certified, RegionsDoNotShowInTheResult) {
   const auto angles = sorted_angles(one);
   EXPECT_GE(angles[0], 20);
   EXPECT_GE(mesh.report.rate(), 0.85);
+}
+
+// The law of motion at work: rms of the simplex angle against the mean of its neighbours.
+TEST(Certified, RigidityBuysSmoothness) {
+  const Isosurface isosurface = shapes::stairs();
+  const auto roughness = [&](int rigidity, int iterations) {
+    DecimateOptions options;
+    options.distance = Length::voxel(0.4);
+    options.rigidity = rigidity;
+    options.stiffness = 0.15;
+    options.iterations = iterations;
+    const SurfaceMesh result = decimated(isosurface, options);
+    const auto [forward, backward] = distances(result, isosurface);
+    const double tolerance = options.distance.in_mm(isosurface.frame.largest_spacing());
+    EXPECT_LE(std::max(forward, backward), tolerance);
+    const SimplexMesh mesh = dual_simplex_mesh(result);
+    double sum = 0;
+    for (std::uint32_t v = 0; v < mesh.face.size(); ++v) {
+      const auto angle = [&](SimplexVertex w) { return simplex_angle(simplex_parameters(mesh, w)); };
+      double mean = 0;
+      for (const SimplexVertex w : mesh.neighbour[v]) mean += angle(w) / 3;
+      const double difference = angle(SimplexVertex{v}) - mean;
+      sum += difference * difference;
+    }
+    return std::sqrt(sum / static_cast<double>(mesh.face.size()));
+  };
+  const double none = roughness(0, 0), rigid = roughness(3, 10);
+  EXPECT_LT(rigid, 0.95 * none);
 }
 
 TEST(Certified, StopsAtACount) {

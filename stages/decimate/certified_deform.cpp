@@ -1,0 +1,133 @@
+#include "stages/decimate/certified_deform.h"
+
+#include <algorithm>
+
+#include "pipeline/base/parallel.h"
+#include "pipeline/geometry/simplex_geometry.h"
+
+namespace periost {
+namespace {
+
+constexpr std::size_t kBlock = 2048;
+constexpr double kReach = 4;          // tolerances within which the isosurface pulls
+constexpr double kLeastStep = 0.02;   // tolerances; smaller ones are not worth a check
+constexpr double kLeastFacing = 0.5;  // product of the normals below which it does not
+
+Vec3 barycentre(const CertifiedMesh& mesh, Index t) {
+  const auto& c = mesh.triangles[t].corner;
+  return (mesh.points[c[0]] + mesh.points[c[1]] + mesh.points[c[2]]) / 3;
+}
+
+// A simplex vertex: its geometry against its neighbours and its simplex angle. `is_free`: it has three
+// neighbours that do not lie on a line.
+struct Sample {
+  Vec3 place, centroid;  // of itself, of its neighbours
+  SimplexParameters parameters;
+  double angle = 0;
+  bool is_free = false;
+};
+
+Sample sample_of(const CertifiedMesh& mesh, Index t) {
+  Sample sample;
+  const LinkedTriangle& triangle = mesh.triangles[t];
+  if (!triangle.is_alive()) return sample;
+  sample.place = barycentre(mesh, t);
+  std::array<Vec3, 3> neighbours;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (triangle.across[k] == kNoIndex) return sample;
+    neighbours[k] = barycentre(mesh, triangle.across[k]);
+  }
+  sample.centroid = (neighbours[0] + neighbours[1] + neighbours[2]) / 3;
+  sample.parameters = simplex_parameters(sample.place, neighbours);
+  sample.is_free = !sample.parameters.is_degenerate;
+  if (sample.is_free) sample.angle = simplex_angle(sample.parameters);
+  return sample;
+}
+
+// The mean simplex angle over Q^s of a triangle, breadth first.
+double mean_angle(const CertifiedMesh& mesh, const std::vector<Sample>& samples, Index t, int extent,
+                  std::vector<Index>& found) {
+  found.assign(1, t);
+  std::size_t ring = 0;
+  for (int step = 0; step < extent; ++step) {
+    const std::size_t end = found.size();
+    for (; ring < end; ++ring) {
+      for (const Index next : mesh.triangles[found[ring]].across) {
+        if (next != kNoIndex && std::find(found.begin(), found.end(), next) == found.end())
+          found.push_back(next);
+      }
+    }
+  }
+  double sum = 0;
+  std::size_t count = 0;
+  for (const Index near : found) {
+    if (!samples[near].is_free) continue;
+    sum += samples[near].angle;
+    ++count;
+  }
+  return sum / static_cast<double>(count);
+}
+
+// How far the isosurface lies along the normal; 0 when there is none near that faces the same way.
+double height_of_isosurface(const CertifiedState& state, const Sample& sample) {
+  const Vec3 n = sample.parameters.normal;
+  const Index near = state.reference.nearest(sample.place, kReach * state.tolerance, n).triangle;
+  if (near == kNoIndex) return 0;
+  const Vec3 facing = state.reference.normals[near];
+  if (dot(n, facing) < kLeastFacing) return 0;
+  return dot(state.reference.corners(near)[0] - sample.place, facing) / dot(n, facing);
+}
+
+Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const std::vector<Sample>& samples,
+              Index t, std::vector<Index>& found) {
+  const Sample& sample = samples[t];
+  const SimplexParameters& p = sample.parameters;
+  const double angle = mean_angle(state.mesh, samples, t, options.rigidity, found);
+  const double rise = height_at_angle(angle, p.power, p.circumradius) - p.height;
+  const double pull = options.stiffness * height_of_isosurface(state, sample);
+  return (sample.centroid - p.foot) * 0.5 + p.normal * (0.5 * rise + pull);
+}
+
+}  // namespace
+
+std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options,
+                                  const std::vector<Vec3>& previous, const Context& context) {
+  const CertifiedMesh& mesh = state.mesh;
+  std::vector<Sample> samples(mesh.triangles.size());
+  std::vector<Vec3> forces(mesh.triangles.size());
+  parallel_blocks(context, samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) samples[t] = sample_of(mesh, static_cast<Index>(t));
+  });
+  parallel_blocks(context, samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    std::vector<Index> found;
+    for (std::size_t t = begin; t < end; ++t) {
+      if (samples[t].is_free) forces[t] = force_on(state, options, samples, static_cast<Index>(t), found);
+    }
+  });
+  std::vector<Vec3> places = mesh.points;
+  parallel_blocks(context, places.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    Star star;
+    for (std::size_t v = begin; v < end; ++v) {
+      if (mesh.incident[v] == kNoIndex || !gather_star(mesh, static_cast<Index>(v), star)) continue;
+      Vec3 sum;
+      for (const Index t : star.triangle) sum += forces[t];
+      places[v] += sum / static_cast<double>(star.triangle.size());
+      if (!previous.empty()) places[v] += (mesh.points[v] - previous[v]) * (1 - options.damping);
+    }
+  });
+  return places;
+}
+
+void deformation_pass(CertifiedState& state, Worker& worker, const std::vector<Index>& vertices,
+                      const std::vector<Vec3>& places) {
+  for (const Index v : vertices) {
+    if (state.mesh.incident[v] == kNoIndex || state.mesh.is_locked[v]) continue;
+    const Vec3 step = places[v] - state.mesh.points[v];
+    if (squared_norm(step) < kLeastStep * kLeastStep * state.tolerance * state.tolerance) continue;
+    for (const double part : {1.0, 0.5}) {
+      if (try_relocation(state, worker, v, state.mesh.points[v] + step * part, false)) break;
+    }
+  }
+}
+
+}  // namespace periost
