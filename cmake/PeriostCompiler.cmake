@@ -28,8 +28,6 @@ if(PERIOST_ASSERTIONS)
   add_compile_definitions(PERIOST_ASSERTIONS)
 endif()
 if(PERIOST_SANITIZE)
-  # With sanitizers GCC 12 sees uninitialised members in its own <regex>.
-  target_compile_options(periost_warnings INTERFACE -Wno-maybe-uninitialized)
   add_compile_options(-fsanitize=${PERIOST_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PERIOST_SANITIZE})
   add_compile_definitions(PERIOST_SANITIZED)
