@@ -353,15 +353,6 @@ void ComponentDecimator::run(Progress& progress) {
   }
 }
 
-void add_counts(DecimationReport& sum, const DecimationReport& part) {
-  sum.removals += part.removals;
-  sum.swaps += part.swaps;
-  sum.rejected_link += part.rejected_link;
-  sum.rejected_topology += part.rejected_topology;
-  sum.rejected_barycentric += part.rejected_barycentric;
-  sum.rejected_distance += part.rejected_distance;
-}
-
 // Vertices by component, those to be decimated only.
 std::vector<std::vector<SimplexVertex>> decimated_components(const ContouredMesh& model,
                                                              const DecimateOptions& options,
@@ -386,6 +377,15 @@ std::vector<std::vector<SimplexVertex>> decimated_components(const ContouredMesh
 }
 
 }  // namespace
+
+void add_counts(DecimationReport& sum, const DecimationReport& part) {
+  sum.removals += part.removals;
+  sum.swaps += part.swaps;
+  sum.rejected_link += part.rejected_link;
+  sum.rejected_topology += part.rejected_topology;
+  sum.rejected_barycentric += part.rejected_barycentric;
+  sum.rejected_distance += part.rejected_distance;
+}
 
 void decimate_paper(const Isosurface& isosurface, const DecimateOptions& options, double distance_mm,
                     std::uint64_t seed, const std::vector<std::uint8_t>& start, ContouredMesh& model,

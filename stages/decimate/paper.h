@@ -20,4 +20,7 @@ void decimate_paper(const Isosurface& isosurface, const DecimateOptions& options
                     std::uint64_t seed, const std::vector<std::uint8_t>& start, ContouredMesh& model,
                     Context& context);
 
+// Adds the counts of moves and refusals of a part to those of the whole.
+void add_counts(DecimationReport& sum, const DecimationReport& part);
+
 }  // namespace periost

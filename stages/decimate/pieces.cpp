@@ -73,15 +73,6 @@ std::vector<std::uint8_t> start_of(const ContouredMesh& model, const std::vector
   return start;
 }
 
-void add_counts(DecimationReport& sum, const DecimationReport& part) {
-  sum.removals += part.removals;
-  sum.swaps += part.swaps;
-  sum.rejected_link += part.rejected_link;
-  sum.rejected_topology += part.rejected_topology;
-  sum.rejected_barycentric += part.rejected_barycentric;
-  sum.rejected_distance += part.rejected_distance;
-}
-
 // A seed of its own for each piece and for the seams.
 std::uint64_t seed_of(std::uint64_t seed, std::uint64_t number) {
   return Random(seed, number).next();
