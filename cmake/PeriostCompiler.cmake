@@ -37,9 +37,15 @@ if(PERIOST_COVERAGE)
   add_link_options(--coverage)
 endif()
 
-# Gives a target the headers that periost_framework precompiled.
-function(periost_precompile target)
-  if(PERIOST_PRECOMPILE)
-    target_precompile_headers(${target} REUSE_FROM periost_framework)
+# Lets a target share the headers that another one precompiled. With TOGETHER its sources are compiled several at a time,
+# so that large headers are read once for all of them; they must then not define the same name twice.
+function(periost_quick_build target owner)
+  cmake_parse_arguments(ARG "TOGETHER" "" "" ${ARGN})
+  if(NOT PERIOST_QUICK_BUILD)
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${owner})
+  if(ARG_TOGETHER)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()

@@ -104,10 +104,15 @@ std::string to_text(const Angle& angle) {
   return to_text(angle.degrees) + " deg";
 }
 
+constexpr std::uint64_t kMiB = 1048576;
+
 std::string to_text(const ByteSize& size) {
-  constexpr std::uint64_t kMiB = 1048576;
   if (size.bytes != 0 && size.bytes % kMiB == 0) return std::to_string(size.bytes / kMiB) + "MiB";
   return std::to_string(size.bytes) + "B";
+}
+
+std::string mebibytes(std::uint64_t bytes) {
+  return std::to_string((bytes + kMiB / 2) / kMiB) + " MiB";
 }
 
 }  // namespace periost

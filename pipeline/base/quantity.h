@@ -62,5 +62,6 @@ std::string to_text(double value);
 std::string to_text(const Length& length);
 std::string to_text(const Angle& angle);
 std::string to_text(const ByteSize& size);
+std::string mebibytes(std::uint64_t bytes);  // "516 MiB", rounded, for messages
 
 }  // namespace periost

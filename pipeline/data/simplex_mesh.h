@@ -15,6 +15,12 @@ enum class SimplexVertex : std::uint32_t {};
 enum class SimplexFace : std::uint32_t {};
 inline constexpr SimplexVertex kNoVertex{0xFFFFFFFFu};
 inline constexpr SimplexFace kNoFace{0xFFFFFFFFu};
+constexpr SimplexVertex vertex_at(std::size_t i) {
+  return SimplexVertex{static_cast<std::uint32_t>(i)};
+}
+constexpr SimplexFace face_at(std::size_t i) {
+  return SimplexFace{static_cast<std::uint32_t>(i)};
+}
 constexpr std::uint32_t index_of(SimplexVertex v) {
   return static_cast<std::uint32_t>(v);
 }

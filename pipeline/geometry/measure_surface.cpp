@@ -16,7 +16,7 @@
 namespace periost {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
+constexpr std::size_t kTrianglesPerTask = 8192;
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 Vec3 centre_of(const SurfaceMesh& mesh, std::size_t t) {
@@ -28,7 +28,7 @@ Vec3 centre_of(const SurfaceMesh& mesh, std::size_t t) {
 template <class Metric>
 std::vector<double> per_triangle(const SurfaceMesh& mesh, const Context& context, Metric metric) {
   std::vector<double> values(mesh.triangles.size());
-  parallel_blocks(context, values.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(context, values.size(), kTrianglesPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const auto& [a, b, c] = mesh.triangles[t];
       values[t] = metric(mesh.points[a], mesh.points[b], mesh.points[c]);

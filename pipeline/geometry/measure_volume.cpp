@@ -14,7 +14,7 @@
 namespace periost {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
+constexpr std::size_t kTetsPerTask = 8192;
 
 TetCorners corners_of(const TetMesh& mesh, std::size_t t) {
   const auto& [a, b, c, d] = mesh.tets[t];
@@ -78,7 +78,7 @@ constexpr std::array<Row, 6> kRows{
 std::vector<double> per_tet(const TetMesh& mesh, const Context& context,
                             const std::function<double(std::size_t)>& metric) {
   std::vector<double> values(mesh.tets.size());
-  parallel_blocks(context, values.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(context, values.size(), kTetsPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) values[t] = metric(t);
   });
   return values;

@@ -109,12 +109,12 @@ void add_surface(std::vector<Metric>& t) {
 }
 
 void add_distance(std::vector<Metric>& t) {
-  struct Row {
+  struct DistanceRow {
     const char* path;
     const char* doc;
     Value (*get)(const SurfaceDistance&);
   };
-  const Row rows[] = {
+  const DistanceRow rows[] = {
       {"surface_to_isosurface.max", "Largest distance of the surface to the isosurface.",
        [](const SurfaceDistance& d) { return Value(d.surface_to_isosurface.max); }},
       {"surface_to_isosurface.mean", "Mean distance over the area of the surface.",
@@ -135,7 +135,7 @@ void add_distance(std::vector<Metric>& t) {
        [](const SurfaceDistance& d) { return Value(d.hausdorff); }},
       {"requested", "Distance that decimate was asked to keep.",
        [](const SurfaceDistance& d) { return d.requested; }}};
-  for (const Row& row : rows) {
+  for (const DistanceRow& row : rows) {
     t.push_back({std::string("surface.distance.") + row.path, "voxel", "<=", row.doc, in_distance(row.get)});
   }
   t.push_back({"surface.distance.over_requested", "",

@@ -10,13 +10,6 @@
 namespace periost {
 namespace {
 
-SimplexVertex vertex_at(std::size_t i) {
-  return SimplexVertex{static_cast<std::uint32_t>(i)};
-}
-SimplexFace face_at(std::size_t i) {
-  return SimplexFace{static_cast<std::uint32_t>(i)};
-}
-
 // The border plane that both points lie on.
 std::uint8_t side_of(const GridFrame& frame, Vec3 p, Vec3 q) {
   const Vec3 a = frame.to_index(p), b = frame.to_index(q);

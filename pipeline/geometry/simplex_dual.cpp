@@ -13,13 +13,6 @@ namespace {
 constexpr std::array<std::size_t, 3> kNext{1, 2, 0};
 constexpr std::array<std::size_t, 3> kPrevious{2, 0, 1};
 
-SimplexVertex vertex_at(std::size_t i) {
-  return SimplexVertex{static_cast<std::uint32_t>(i)};
-}
-SimplexFace face_at(std::size_t i) {
-  return SimplexFace{static_cast<std::uint32_t>(i)};
-}
-
 [[noreturn]] void refuse(const char* what, Vec3 place) {
   throw Error(ErrorKind::kQuality, "surface.not_manifold",
               fmt::format("the surface is not a manifold: {} near ({:.3f}, {:.3f}, {:.3f}) mm", what, place.x,

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "pipeline/base/error.h"
+#include "pipeline/geometry/disjoint_sets.h"
 
 namespace periost {
 namespace {
@@ -23,26 +23,6 @@ constexpr std::array<Words, kViolationKinds> kNames{
      {"degenerate triangle", "degenerate triangles"},
      {"point that is not finite", "points that are not finite"}}};
 
-// Union-find with path halving; the smaller root wins, so roots do not depend on the order of unions.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index find(Index x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  void join(Index x, Index y) {
-    x = find(x);
-    y = find(y);
-    if (x != y) parent_[std::max(x, y)] = std::min(x, y);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
-
 // Calls visit(begin, end) for each run of sides on the same edge.
 template <class Visit>
 void for_each_edge(const std::vector<EdgeUse>& uses, Visit visit) {
@@ -57,7 +37,7 @@ std::vector<std::uint32_t> components_of(const std::vector<EdgeUse>& uses, std::
                                          std::uint32_t& components) {
   DisjointSets sets(triangles);
   for_each_edge(uses, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin + 1; i < end; ++i) sets.join(uses[begin].triangle(), uses[i].triangle());
+    for (std::size_t i = begin + 1; i < end; ++i) sets.unite(uses[begin].triangle(), uses[i].triangle());
   });
   std::vector<std::uint32_t> component(triangles);
   components = 0;
@@ -135,7 +115,7 @@ class Examination {
     for_each_edge(uses_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin + 1; i < end; ++i) {
         for (const Index vertex : {uses_[begin].a, uses_[begin].b}) {
-          corners.join(corner_at(uses_[begin], vertex), corner_at(uses_[i], vertex));
+          corners.unite(corner_at(uses_[begin], vertex), corner_at(uses_[i], vertex));
         }
       }
     });

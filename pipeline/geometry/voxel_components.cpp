@@ -6,35 +6,12 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/parallel.h"
+#include "pipeline/geometry/disjoint_sets.h"
 
 namespace periost {
 namespace {
 
 constexpr std::int32_t kSlices = 8;  // slices in one piece of work
-
-// Roots are the lowest run of their set, so the result does not depend on the order of unions.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index root(Index x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  void unite(Index x, Index y) {
-    x = root(x);
-    y = root(y);
-    if (x < y) {
-      parent_[y] = x;
-    } else {
-      parent_[x] = y;
-    }
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 class Labeller {
  public:
@@ -158,7 +135,7 @@ class Labeller {
       const bool is_border_row = j == 0 || k == 0 || j + 1 == out_.dims[1] || k + 1 == out_.dims[2];
       for (std::size_t n = out_.row_first[r]; n < out_.row_first[r + 1]; ++n) {
         VoxelRun& run = out_.runs[n];
-        const Index root = sets.root(static_cast<Index>(n));
+        const Index root = sets.find(static_cast<Index>(n));
         if (root == n) {
           run.component = static_cast<Index>(out_.components.size());
           out_.components.emplace_back();

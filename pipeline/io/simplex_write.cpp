@@ -32,7 +32,7 @@ void write_simplex_vtp(const SimplexMesh& mesh, const std::filesystem::path& pat
   std::vector<std::int64_t> corners, offsets;
   Fields fields;
   for (std::size_t f = 0; f < mesh.first_vertex.size(); ++f) {
-    const std::vector<std::int64_t> face = polygon(mesh, SimplexFace{static_cast<std::uint32_t>(f)});
+    const std::vector<std::int64_t> face = polygon(mesh, face_at(f));
     if (face.empty()) continue;
     corners.insert(corners.end(), face.begin(), face.end());
     offsets.push_back(static_cast<std::int64_t>(corners.size()));

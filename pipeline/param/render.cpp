@@ -12,7 +12,7 @@ namespace periost {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = TypeInfo::Kind;
+using TypeKind = TypeInfo::Kind;
 
 std::string quoted(const std::string& text) {
   return Json(text).dump();
@@ -43,33 +43,33 @@ std::string choice_words(const TypeInfo& type) {
 
 std::string words_of(const TypeInfo& type, Quantity quantity) {
   switch (type.kind) {
-    case Kind::kSwitch:
+    case TypeKind::kSwitch:
       return "true | false";
-    case Kind::kInteger:
+    case TypeKind::kInteger:
       return "whole number";
-    case Kind::kNumber:
+    case TypeKind::kNumber:
       return "number" + unit_words(quantity);
-    case Kind::kText:
+    case TypeKind::kText:
       return "text";
-    case Kind::kPath:
+    case TypeKind::kPath:
       return "path";
-    case Kind::kLength:
+    case TypeKind::kLength:
       return "length (mm or voxel)";
-    case Kind::kAngle:
+    case TypeKind::kAngle:
       return "angle (deg)";
-    case Kind::kSize:
+    case TypeKind::kSize:
       return "size (4GiB, 500MB)";
-    case Kind::kChoice:
+    case TypeKind::kChoice:
       return choice_words(type);
-    case Kind::kForm:
+    case TypeKind::kForm:
       return type.form;
-    case Kind::kList:
+    case TypeKind::kList:
       return "list of " + words_of(*type.element, quantity);
-    case Kind::kArray:
+    case TypeKind::kArray:
       return fmt::format("{} x {}", type.count, words_of(*type.element, quantity));
-    case Kind::kGroup:
+    case TypeKind::kGroup:
       return "group";
-    case Kind::kMap:
+    case TypeKind::kMap:
       return "map of name to " + words_of(*type.element, quantity);
   }
   return {};
@@ -77,15 +77,15 @@ std::string words_of(const TypeInfo& type, Quantity quantity) {
 
 // The keys below a parameter: of the group itself, or of what a list or map holds.
 const std::vector<ParamInfo>* nested_params(const TypeInfo& type) {
-  if (type.kind == Kind::kGroup) return type.fields.get();
+  if (type.kind == TypeKind::kGroup) return type.fields.get();
   return type.element ? nested_params(*type.element) : nullptr;
 }
 
 std::string nested_prefix(const ParamInfo& param) {
   switch (param.type.kind) {
-    case Kind::kMap:
+    case TypeKind::kMap:
       return param.name + ".NAME.";
-    case Kind::kList:
+    case TypeKind::kList:
       return param.name + "[N].";
     default:
       return param.name + ".";
@@ -146,42 +146,42 @@ Json choice_schema(const TypeInfo& type) {
 
 Json type_schema(const TypeInfo& type, const ParamInfo& param) {
   switch (type.kind) {
-    case Kind::kSwitch:
+    case TypeKind::kSwitch:
       return {{"type", "boolean"}};
-    case Kind::kInteger:
+    case TypeKind::kInteger:
       return whole_number(type, param.range);
-    case Kind::kNumber: {
+    case TypeKind::kNumber: {
       const std::string_view units = unit_pattern(param.quantity);
       if (!units.empty()) return number_with_units(param.range, units, true);
       Json schema = {{"type", "number"}};
       add_bounds(schema, param.range);
       return schema;
     }
-    case Kind::kText:
-    case Kind::kForm:
+    case TypeKind::kText:
+    case TypeKind::kForm:
       return {{"type", Json::array({"string", "number", "boolean"})}};
-    case Kind::kPath:
+    case TypeKind::kPath:
       return {{"type", "string"}};
-    case Kind::kLength:
+    case TypeKind::kLength:
       return number_with_units(param.range, "mm|um|cm|m|voxels?", true);
-    case Kind::kAngle:
+    case TypeKind::kAngle:
       return number_with_units(param.range, "deg|rad", true);
-    case Kind::kSize:
+    case TypeKind::kSize:
       return number_with_units(param.range, "[kMGT]?B|[KMGT]iB", false);
-    case Kind::kChoice:
+    case TypeKind::kChoice:
       return choice_schema(type);
-    case Kind::kList: {
+    case TypeKind::kList: {
       const Json item = type_schema(*type.element, param);
       return {{"anyOf", Json::array({Json{{"type", "array"}, {"items", item}}, item})}};
     }
-    case Kind::kArray:
+    case TypeKind::kArray:
       return {{"type", "array"},
               {"items", type_schema(*type.element, param)},
               {"minItems", type.count},
               {"maxItems", type.count}};
-    case Kind::kGroup:
+    case TypeKind::kGroup:
       return object_schema(*type.fields);
-    case Kind::kMap:
+    case TypeKind::kMap:
       return {{"type", "object"}, {"additionalProperties", type_schema(*type.element, param)}};
   }
   return {};

@@ -11,6 +11,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
 #include "pipeline/base/hash.h"
+#include "pipeline/base/quantity.h"
 #include "pipeline/config/emit.h"
 #include "pipeline/io/archive.h"
 #include "pipeline/param/render.h"
@@ -27,14 +28,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Place = ArtefactStore::Place;
 
-constexpr double kMiB = 1048576;
-
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-std::string mebibytes(std::uint64_t bytes) {
-  return fmt::format("{:.0f} MiB", static_cast<double>(bytes) / kMiB);
 }
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -446,8 +441,7 @@ void check_memory(const Plan& plan, std::uint64_t memory_bytes) {
   throw Error(ErrorKind::kLimit, "limit.memory",
               fmt::format("this chain needs about {}{}, more than the {} that --memory allows",
                           mebibytes(needed), where, mebibytes(memory_bytes)),
-              fmt::format("allow at least --memory {}MiB or use a smaller image",
-                          static_cast<std::uint64_t>(static_cast<double>(needed) / kMiB) + 1));
+              fmt::format("allow at least --memory {}MiB or use a smaller image", needed / (1 << 20) + 1));
 }
 
 Manifest run_plan(const Plan& plan, const Registry& registry, const RunOptions& options, Reporter& reporter,

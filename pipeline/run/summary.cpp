@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <set>
 
+#include "pipeline/base/quantity.h"
+
 namespace periost {
 namespace {
-
-constexpr double kMiB = 1048576;
 
 // "1,234,567".
 std::string grouped(double value) {
@@ -66,7 +66,7 @@ std::string forecast_text(const std::map<std::string, Forecast>& outputs) {
 }
 
 std::string memory_text(std::uint64_t bytes) {
-  return bytes == 0 ? "-" : fmt::format("{:.0f} MiB", static_cast<double>(bytes) / kMiB);
+  return bytes == 0 ? "-" : mebibytes(bytes);
 }
 
 std::string verdict_text(const Manifest& manifest) {

@@ -13,6 +13,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/golden_facts.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,6 +78,10 @@ TEST_F(Cranium, LeavesWhatTheContractSays) {
   for (const auto& entry : fs::recursive_directory_iterator(kOut)) {
     EXPECT_EQ(entry.path().filename().string().find(".partial"), std::string::npos) << entry.path();
   }
+}
+
+TEST_F(Cranium, KeepsItsGoldenFacts) {
+  periost::test::expect_golden_facts("cranium", kOut, run_.exit_code);
 }
 
 TEST_F(Cranium, SurfaceIsClosedManifoldAndWithinItsDistance) {

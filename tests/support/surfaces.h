@@ -101,4 +101,19 @@ inline SurfaceMesh joined(SurfaceMesh mesh, const SurfaceMesh& other) {
   return mesh;
 }
 
+// Every triangle turned over: the wall of a cavity.
+inline SurfaceMesh inverted(SurfaceMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+inline double enclosed_volume(const SurfaceMesh& mesh) {
+  double sum = 0;
+  const Vec3 origin = mesh.points[0];
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum += dot(mesh.points[a] - origin, cross(mesh.points[b] - origin, mesh.points[c] - origin));
+  }
+  return sum / 6;
+}
+
 }  // namespace periost::test

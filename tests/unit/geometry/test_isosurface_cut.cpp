@@ -15,14 +15,14 @@
 namespace periost {
 namespace {
 
-struct Case {
+struct CutCase {
   bool left_handed = false;
   bool noisy = false;
   bool open = false;
 };
 
 // A torus around axis k, in a grid that an open one leaves at one end.
-Isosurface torus(const Case& c) {
+Isosurface torus(const CutCase& c) {
   const double cosine = std::cos(0.5), sine = std::sin(0.5);
   Image image{{{26, 24, 19},
                {0.7, 0.8, 1.9},
@@ -59,7 +59,7 @@ std::vector<Isosurface> all_parts(const Isosurface& whole, const CutPlanes& plan
   return parts;
 }
 
-class IsosurfaceCut : public testing::TestWithParam<Case> {};
+class IsosurfaceCut : public testing::TestWithParam<CutCase> {};
 
 TEST_P(IsosurfaceCut, CutThenMergedIsTheSameSurfaceInAnyOrderOfParts) {
   const Isosurface whole = torus(GetParam());
@@ -154,9 +154,9 @@ TEST_P(IsosurfaceCut, PiecesAreOfEqualSize) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Grids, IsosurfaceCut,
-                         testing::Values(Case{}, Case{.left_handed = true}, Case{.noisy = true},
-                                         Case{.left_handed = true, .noisy = true, .open = true},
-                                         Case{.open = true}));
+                         testing::Values(CutCase{}, CutCase{.left_handed = true}, CutCase{.noisy = true},
+                                         CutCase{.left_handed = true, .noisy = true, .open = true},
+                                         CutCase{.open = true}));
 
 TEST(IsosurfaceCutCosts, CountsTheIsocontoursOfATorus) {
   const Isosurface whole = torus({});

@@ -12,7 +12,7 @@
 namespace periost {
 namespace {
 
-struct Case {
+struct QueryCase {
   bool left_handed = false;
   bool noisy = false;
 };
@@ -26,7 +26,7 @@ GridFrame frame_of(bool left_handed) {
 }
 
 // A ball, or a ball in noise: smooth and rough surfaces.
-Isosurface isosurface_of(const Case& c) {
+Isosurface isosurface_of(const QueryCase& c) {
   Image image{frame_of(c.left_handed), {}};
   Random random(7, 0);
   const Vec3 centre = image.frame.to_lps({9.3, 8.1, 6.8});
@@ -87,7 +87,7 @@ double exhaustive_line(const Isosurface& isosurface, Vec3 p, Vec3 n) {
   return nearest;
 }
 
-class IsosurfaceQuery : public testing::TestWithParam<Case> {};
+class IsosurfaceQuery : public testing::TestWithParam<QueryCase> {};
 
 TEST_P(IsosurfaceQuery, ClosestPointIsTheExhaustiveOne) {
   const Isosurface isosurface = isosurface_of(GetParam());
@@ -148,8 +148,8 @@ TEST_P(IsosurfaceQuery, EveryTriangleLiesInItsCell) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Grids, IsosurfaceQuery,
-                         testing::Values(Case{false, false}, Case{true, false}, Case{false, true},
-                                         Case{true, true}),
+                         testing::Values(QueryCase{false, false}, QueryCase{true, false},
+                                         QueryCase{false, true}, QueryCase{true, true}),
                          [](const auto& test) {
                            return std::string(test.param.left_handed ? "LeftHanded" : "RightHanded") +
                                   (test.param.noisy ? "Noisy" : "Smooth");

@@ -4,7 +4,7 @@
 
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/predicates.h"
-#include "tests/support/closed_shapes.h"
+#include "tests/support/surfaces.h"
 
 namespace periost {
 namespace {
@@ -120,13 +120,13 @@ TEST(Predicates, SharedCornersAndEdgesDoNotCountMoreDoes) {
 }
 
 TEST(Predicates, ParityOnRaysThroughCornersAndEdges) {
-  const SurfaceMesh box = test::box({-1, -1, -1}, {1, 1, 1});
+  const SurfaceMesh box = test::box_surface({-1, -1, -1}, {1, 1, 1});
   EXPECT_TRUE(is_inside_by_parity(box.points, box.triangles, {0, 0, 0})) << "through a diagonal";
   EXPECT_FALSE(is_inside_by_parity(box.points, box.triangles, {-2, 0, 0}));
   EXPECT_FALSE(is_inside_by_parity(box.points, box.triangles, {-2, -1, -1})) << "along an edge";
   EXPECT_FALSE(is_inside_by_parity(box.points, box.triangles, {-2, 1, 1}));
   EXPECT_FALSE(is_inside_by_parity(box.points, box.triangles, {2, 0, 0}));
-  const SurfaceMesh sphere = test::sphere({0, 0, 0}, 1, 2);
+  const SurfaceMesh sphere = test::sphere_surface({0, 0, 0}, 1, 2);
   for (const Vec3& point : sphere.points) {
     EXPECT_TRUE(
         is_inside_by_parity(sphere.points, sphere.triangles, {-0.5 * point.x, point.y * 0.5, point.z * 0.5}));

@@ -3,7 +3,7 @@
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/predicates.h"
 #include "pipeline/geometry/self_intersection.h"
-#include "tests/support/closed_shapes.h"
+#include "tests/support/surfaces.h"
 
 namespace periost {
 namespace {
@@ -24,14 +24,16 @@ Pairs brute_force(const SurfaceMesh& surface) {
 
 TEST(SelfIntersection, NoneOnASphereOrNestedOnes) {
   const Context context;
-  EXPECT_TRUE(self_intersections(test::sphere({100, -50, 3}, 10, 4), context).empty());
-  const SurfaceMesh nested = test::joined(test::sphere({0, 0, 0}, 2, 3), test::sphere({0, 0, 0}, 1.99, 3));
+  EXPECT_TRUE(self_intersections(test::sphere_surface({100, -50, 3}, 10, 4), context).empty());
+  const SurfaceMesh nested =
+      test::joined(test::sphere_surface({0, 0, 0}, 2, 3), test::sphere_surface({0, 0, 0}, 1.99, 3));
   EXPECT_TRUE(self_intersections(nested, context).empty());
   EXPECT_TRUE(self_intersections({}, context).empty());
 }
 
 TEST(SelfIntersection, CrossingSpheresAsByBruteForce) {
-  const SurfaceMesh surface = test::joined(test::sphere({0, 0, 0}, 10, 3), test::sphere({7, 1, 2}, 6, 2));
+  const SurfaceMesh surface =
+      test::joined(test::sphere_surface({0, 0, 0}, 10, 3), test::sphere_surface({7, 1, 2}, 6, 2));
   const Pairs expected = brute_force(surface);
   ASSERT_GT(expected.size(), 20U);
   Context context;
@@ -61,17 +63,20 @@ TEST(SelfIntersection, TriangleSoupOnAGridAsByBruteForce) {
 }
 
 TEST(SelfIntersection, TouchingAtAVertexCounts) {
-  const SurfaceMesh low = test::box({0, 0, 0}, {1, 1, 1});
-  EXPECT_FALSE(self_intersections(test::joined(low, test::box({1, 1, 1}, {2, 2, 2})), Context()).empty());
-  EXPECT_FALSE(self_intersections(test::joined(low, test::box({1, 0, 0}, {2, 1, 1})), Context()).empty())
+  const SurfaceMesh low = test::box_surface({0, 0, 0}, {1, 1, 1});
+  EXPECT_FALSE(
+      self_intersections(test::joined(low, test::box_surface({1, 1, 1}, {2, 2, 2})), Context()).empty());
+  EXPECT_FALSE(
+      self_intersections(test::joined(low, test::box_surface({1, 0, 0}, {2, 1, 1})), Context()).empty())
       << "two faces in one plane";
   EXPECT_FALSE(self_intersections(test::joined(low, low), Context()).empty()) << "the same surface twice";
 }
 
 TEST(SelfIntersection, AGapOfOneRoundingStepDoesNot) {
-  const SurfaceMesh low = test::box({0, 0, 0}, {1, 1, 1});
+  const SurfaceMesh low = test::box_surface({0, 0, 0}, {1, 1, 1});
   const double next = std::nextafter(1.0, 2.0);
-  EXPECT_TRUE(self_intersections(test::joined(low, test::box({next, 0, 0}, {2, 1, 1})), Context()).empty());
+  EXPECT_TRUE(
+      self_intersections(test::joined(low, test::box_surface({next, 0, 0}, {2, 1, 1})), Context()).empty());
 }
 
 TEST(SelfIntersection, AFlapFoldedOntoItsNeighbour) {

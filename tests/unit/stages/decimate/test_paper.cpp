@@ -5,22 +5,14 @@
 #include "pipeline/geometry/simplex_dual.h"
 #include "stages/decimate/criteria.h"
 #include "stages/decimate/decimate.h"
+#include "tests/unit/stages/decimate/paper_decimation.h"
 #include "tests/unit/stages/decimate/phantoms.h"
 
 namespace periost {
 namespace {
 
-DecimateOptions paper_options() {
-  DecimateOptions options;
-  options.method = DecimateMethod::kPaper;
-  options.distance = Length::voxel(0.4);
-  return options;
-}
-
-bool same_bits(const SimplexMesh& a, const SimplexMesh& b) {
-  return a.position == b.position && a.neighbour == b.neighbour && a.face == b.face &&
-         a.valence == b.valence && a.dual_position == b.dual_position;
-}
+using test::paper_options;
+using test::same_bits;
 
 // What section 4.1 promises, on a surface whose start keeps the distance criterion everywhere.
 void expect_criteria(const Isosurface& isosurface, const SimplexMesh& mesh, double distance_mm) {

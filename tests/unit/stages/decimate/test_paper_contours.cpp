@@ -13,9 +13,12 @@
 #include "stages/decimate/contour_model.h"
 #include "stages/decimate/decimate.h"
 #include "stages/marching_cubes/marching_cubes.h"
+#include "tests/unit/stages/decimate/paper_decimation.h"
 
 namespace periost {
 namespace {
+
+using test::paper_options;
 
 // Where inside(p), p in voxels; the surface is open at the image border.
 template <class Depth>
@@ -45,13 +48,6 @@ Isosurface corner() {
         return 17.3 - norm(p - Vec3{2, 1, 3});
       },
       true);
-}
-
-DecimateOptions paper_options() {
-  DecimateOptions options;
-  options.method = DecimateMethod::kPaper;
-  options.distance = Length::voxel(0.4);
-  return options;
 }
 
 struct Border {

@@ -11,23 +11,14 @@
 #include "pipeline/geometry/topology.h"
 #include "stages/marching_cubes/marching_cubes.h"
 #include "stages/phantom/phantom.h"
+#include "tests/unit/stages/decimate/paper_decimation.h"
 #include "tests/unit/stages/decimate/phantoms.h"
 
 namespace periost {
 namespace {
 
-DecimateOptions paper_options(int pieces) {
-  DecimateOptions options;
-  options.method = DecimateMethod::kPaper;
-  options.distance = Length::voxel(0.4);
-  options.pieces = pieces;
-  return options;
-}
-
-bool same_bits(const SimplexMesh& a, const SimplexMesh& b) {
-  return a.position == b.position && a.neighbour == b.neighbour && a.face == b.face &&
-         a.valence == b.valence && a.dual_position == b.dual_position;
-}
+using test::paper_options;
+using test::same_bits;
 
 // A small tree of vessels, grey, in a left-handed oblique anisotropic grid.
 Isosurface vessel() {

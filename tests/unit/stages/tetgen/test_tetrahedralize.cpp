@@ -7,8 +7,9 @@
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/tet_faces.h"
 #include "stages/tetgen/tetgen.h"
-#include "tests/support/closed_shapes.h"
 #include "tests/support/process.h"
+#include "tests/support/surfaces.h"
+#include "tests/unit/stages/tetgen/worker_context.h"
 
 namespace periost {
 namespace {
@@ -16,13 +17,8 @@ namespace {
 using test::enclosed_volume;
 using test::inverted;
 using test::joined;
-using test::sphere;
-
-Context worker_context() {
-  Context context;
-  context.workers = std::filesystem::path(PERIOST_BUILD_DIR) / "bin";
-  return context;
-}
+using test::sphere_surface;
+using test::worker_context;
 
 double volume_of(const TetMesh& mesh, std::int32_t region = 0) {
   double sum = 0;
@@ -65,7 +61,7 @@ ErrorKind kind_of_failure(const SurfaceMesh& surface, const TetgenOptions& optio
 }
 
 TEST(Tetrahedralize, SphereFarFromTheOrigin) {
-  const SurfaceMesh surface = sphere({812.3, -455.1, 1020.7}, 30, 3);
+  const SurfaceMesh surface = sphere_surface({812.3, -455.1, 1020.7}, 30, 3);
   const TetMesh mesh = tetrahedralize(surface, {}, worker_context());
   expect_sound(mesh, surface);
   EXPECT_THAT(mesh.region, testing::Each(1));
@@ -73,16 +69,18 @@ TEST(Tetrahedralize, SphereFarFromTheOrigin) {
 }
 
 TEST(Tetrahedralize, HollowSphere) {
-  const SurfaceMesh surface = joined(sphere({5, 6, 7}, 10, 3), inverted(sphere({5, 6, 7.5}, 6, 2)));
+  const SurfaceMesh surface =
+      joined(sphere_surface({5, 6, 7}, 10, 3), inverted(sphere_surface({5, 6, 7.5}, 6, 2)));
   const TetMesh mesh = tetrahedralize(surface, {}, worker_context());
   expect_sound(mesh, surface);
   EXPECT_THAT(mesh.region, testing::Each(1));
 }
 
 TEST(Tetrahedralize, BodyInACavityOfABodyAndOneBeside) {
-  const SurfaceMesh outer = sphere({0, 0, 0}, 10, 3), cavity = inverted(sphere({0, 0, 0}, 8, 3));
-  const SurfaceMesh inner = sphere({1, 0, 0}, 5, 2), core = inverted(sphere({1, 0, 0}, 2, 2));
-  const SurfaceMesh beside = sphere({30, 0, 0}, 4, 2);
+  const SurfaceMesh outer = sphere_surface({0, 0, 0}, 10, 3),
+                    cavity = inverted(sphere_surface({0, 0, 0}, 8, 3));
+  const SurfaceMesh inner = sphere_surface({1, 0, 0}, 5, 2), core = inverted(sphere_surface({1, 0, 0}, 2, 2));
+  const SurfaceMesh beside = sphere_surface({30, 0, 0}, 4, 2);
   const SurfaceMesh surface = joined(joined(joined(joined(beside, cavity), outer), core), inner);
   const TetMesh mesh = tetrahedralize(surface, {}, worker_context());
   expect_sound(mesh, surface);
@@ -95,14 +93,14 @@ TEST(Tetrahedralize, BodyInACavityOfABodyAndOneBeside) {
 }
 
 TEST(Tetrahedralize, NestingDecidesWhateverTheNormalsSay) {
-  const SurfaceMesh outer = sphere({0, 0, 0}, 10, 2), cavity = sphere({0, 0, 0}, 8, 2);
+  const SurfaceMesh outer = sphere_surface({0, 0, 0}, 10, 2), cavity = sphere_surface({0, 0, 0}, 8, 2);
   const TetMesh mesh = tetrahedralize(joined(outer, cavity), {}, worker_context());
   const double expected = enclosed_volume(outer) - enclosed_volume(cavity);
   EXPECT_NEAR(volume_of(mesh), expected, 1e-9 * expected);
 }
 
 TEST(Tetrahedralize, PointsThatNoTriangleUsesAreLeftOut) {
-  SurfaceMesh surface = sphere({0, 0, 0}, 10, 1);
+  SurfaceMesh surface = sphere_surface({0, 0, 0}, 10, 1);
   surface.points.insert(surface.points.begin(), Vec3{500, 0, 0});
   for (Triangle& t : surface.triangles) {
     for (Index& corner : t) ++corner;
@@ -115,7 +113,7 @@ TEST(Tetrahedralize, PointsThatNoTriangleUsesAreLeftOut) {
 TEST(Tetrahedralize, SecondOrderNodesLieInTheMiddleOfVtksEdges) {
   TetgenOptions options;
   options.order = 2;
-  const TetMesh mesh = tetrahedralize(sphere({1, 2, 3}, 10, 2), options, worker_context());
+  const TetMesh mesh = tetrahedralize(sphere_surface({1, 2, 3}, 10, 2), options, worker_context());
   ASSERT_EQ(mesh.order(), 2);
   ASSERT_EQ(mesh.midside.size(), mesh.tets.size());
   constexpr std::size_t kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
@@ -135,7 +133,7 @@ TEST(Tetrahedralize, SecondOrderNodesLieInTheMiddleOfVtksEdges) {
 }
 
 TEST(Tetrahedralize, SameBitsTwice) {
-  const SurfaceMesh surface = sphere({3, 3, 3}, 10, 3);
+  const SurfaceMesh surface = sphere_surface({3, 3, 3}, 10, 3);
   Context context = worker_context();
   const TetMesh first = tetrahedralize(surface, {}, context);
   context.threads = 2;
@@ -146,7 +144,7 @@ TEST(Tetrahedralize, SameBitsTwice) {
 }
 
 TEST(Tetrahedralize, MaximalVolumeHolds) {
-  const SurfaceMesh surface = sphere({0, 0, 0}, 10, 3);
+  const SurfaceMesh surface = sphere_surface({0, 0, 0}, 10, 3);
   TetgenOptions options;
   options.max_volume = 2;
   const TetMesh mesh = tetrahedralize(surface, options, worker_context());
@@ -163,7 +161,7 @@ TEST(Tetrahedralize, SurfaceMayBeSplitWhenAskedAndThatIsSaid) {
   TetgenOptions options;
   options.preserve_surface = false;
   options.max_volume = 0.001;
-  const SurfaceMesh surface = test::box({10, 10, 10}, {11, 11, 11});
+  const SurfaceMesh surface = test::box_surface({10, 10, 10}, {11, 11, 11});
   const TetMesh mesh = tetrahedralize(surface, options, worker_context());
   EXPECT_FALSE(mesh.boundary_preserved);
   EXPECT_GT(mesh.boundary.size(), surface.triangles.size());
@@ -177,7 +175,7 @@ struct BadSurface {
 };
 
 std::vector<BadSurface> bad_surfaces() {
-  const SurfaceMesh good = sphere({0, 0, 0}, 10, 2);
+  const SurfaceMesh good = sphere_surface({0, 0, 0}, 10, 2);
   std::vector<BadSurface> all;
   all.push_back({"surface.empty", {}});
   all.push_back({"surface.open", good});
@@ -188,9 +186,9 @@ std::vector<BadSurface> bad_surfaces() {
   std::swap(all.back().surface.triangles[3][0], all.back().surface.triangles[3][1]);
   all.push_back({"surface.not_manifold", good});
   all.back().surface.triangles[5][1] = 4000000;
-  all.push_back({"surface.self_intersection", joined(good, sphere({12, 0, 0}, 8, 2))});
+  all.push_back({"surface.self_intersection", joined(good, sphere_surface({12, 0, 0}, 8, 2))});
   all.push_back({"surface.self_intersection", joined(good, good)});
-  all.push_back({"surface.degenerate", test::box({0, 0, 0}, {0, 1, 1})});
+  all.push_back({"surface.degenerate", test::box_surface({0, 0, 0}, {0, 1, 1})});
   return all;
 }
 
@@ -209,7 +207,8 @@ TEST(Tetrahedralize, FaultsAreNamedAndDrawn) {
   Context context = worker_context();
   context.output = folder.path();
   std::string text;
-  kind_of_failure(joined(sphere({100, 0, 0}, 10, 2), sphere({112, 0, 0}, 8, 2)), {}, context, nullptr, &text);
+  kind_of_failure(joined(sphere_surface({100, 0, 0}, 10, 2), sphere_surface({112, 0, 0}, 8, 2)), {}, context,
+                  nullptr, &text);
   EXPECT_THAT(text, testing::HasSubstr("pairs of triangles, near ("));
   EXPECT_THAT(text, testing::HasSubstr("surface_faults.vtp"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "surface_faults.vtp"));

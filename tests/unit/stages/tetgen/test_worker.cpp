@@ -12,17 +12,14 @@
 #include "pipeline/base/error.h"
 #include "stages/tetgen/tetgen.h"
 #include "stages/tetgen/worker_client.h"
-#include "tests/support/closed_shapes.h"
 #include "tests/support/process.h"
+#include "tests/support/surfaces.h"
+#include "tests/unit/stages/tetgen/worker_context.h"
 
 namespace periost {
 namespace {
 
-Context worker_context() {
-  Context context;
-  context.workers = std::filesystem::path(PERIOST_BUILD_DIR) / "bin";
-  return context;
-}
+using test::worker_context;
 
 std::string worker_program() {
   return (worker_context().workers / "periost-tetgen").string();
@@ -36,7 +33,7 @@ TetgenOptions endless() {
 }
 
 SurfaceMesh small_sphere() {
-  return test::sphere({0, 0, 0}, 10, 3);
+  return test::sphere_surface({0, 0, 0}, 10, 3);
 }
 
 // Our children by /proc: the ids of processes whose parent we are.
@@ -123,7 +120,8 @@ TEST(TetgenWorker, Cancellation) {
 
 TEST(TetgenWorker, TetgensOwnVerdictOnASelfIntersection) {
   WorkerRequest request;
-  const SurfaceMesh surface = test::joined(test::sphere({0, 0, 0}, 10, 2), test::sphere({9, 1, 0}, 8, 2));
+  const SurfaceMesh surface =
+      test::joined(test::sphere_surface({0, 0, 0}, 10, 2), test::sphere_surface({9, 1, 0}, 8, 2));
   request.points = surface.points;
   request.triangles = surface.triangles;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -134,7 +132,7 @@ TEST(TetgenWorker, TetgensOwnVerdictOnASelfIntersection) {
 
 TEST(TetgenWorker, AnOpenSurfaceIsNoSilentSuccess) {
   WorkerRequest request;
-  SurfaceMesh surface = test::sphere({0, 0, 0}, 10, 2);
+  SurfaceMesh surface = test::sphere_surface({0, 0, 0}, 10, 2);
   surface.triangles.pop_back();
   request.points = surface.points;
   request.triangles = surface.triangles;

@@ -11,8 +11,8 @@
 #include "pipeline/geometry/tet_faces.h"
 #include "stages/tetgen/tetgen.h"
 #include "stages/write_deck/write_deck.h"
-#include "tests/support/closed_shapes.h"
 #include "tests/support/process.h"
+#include "tests/support/surfaces.h"
 
 namespace periost {
 namespace {
@@ -75,9 +75,9 @@ class Calculix : public testing::TestWithParam<int> {
 // With linear displacements on the boundary, every node inside must take the same linear field: it fails for
 // second-order elements whose mid-side nodes are in another order.
 TEST_P(Calculix, PatchTest) {
-  const TetMesh mesh = meshed(
-      test::joined(test::sphere({20, -10, 5}, 10, 2), test::inverted(test::sphere({20, -10, 5}, 4, 1))),
-      GetParam(), 60);
+  const TetMesh mesh = meshed(test::joined(test::sphere_surface({20, -10, 5}, 10, 2),
+                                           test::inverted(test::sphere_surface({20, -10, 5}, 4, 1))),
+                              GetParam(), 60);
   const auto field = [](Vec3 p) {
     return Vec3{1e-3 * p.x + 2e-3 * p.y, -1e-3 * p.y + 3e-3 * p.z, 2e-3 * p.z + 1e-3 * p.x};
   };
@@ -131,7 +131,7 @@ TEST_P(Calculix, PatchTest) {
 }
 
 TEST_P(Calculix, ReactionsBalanceTheLoad) {
-  const TetMesh mesh = meshed(test::sphere({0, 0, 100}, 10, 2), GetParam());
+  const TetMesh mesh = meshed(test::sphere_surface({0, 0, 100}, 10, 2), GetParam());
   // Three nodes far from each other: one held, one that may slide along a line, one in a plane.
   const auto nearest = [&mesh](Vec3 place) {
     std::size_t best = 0;
@@ -171,15 +171,15 @@ TEST_P(Calculix, ReactionsBalanceTheLoad) {
 // The same pressure on the surfaces OUTER and CAVITIES of the deck gives one hydrostatic stress, if the faces
 // are numbered as CalculiX does and none is missing. The supports only stop rigid motion and carry nothing.
 TEST_P(Calculix, PressureOnTheSurfacesIsHydrostatic) {
-  const TetMesh mesh =
-      meshed(test::joined(test::sphere({0, 0, 0}, 10, 2), test::inverted(test::sphere({0, 0, 0}, 5, 1))),
-             GetParam());
-  // Points 1 and 2 of an icosahedron differ along x, 1 and 3 along y, all three lie in one plane z.
-  const TetMesh& m = mesh;
-  ASSERT_EQ(m.points[0].z, m.points[1].z);
-  ASSERT_EQ(m.points[0].z, m.points[2].z);
+  const TetMesh mesh = meshed(test::joined(test::sphere_surface({0, 0, 0}, 10, 2),
+                                           test::inverted(test::sphere_surface({0, 0, 0}, 5, 1))),
+                              GetParam());
+  // Nodes 2 and 8 of the icosahedron differ along x, 2 and 5 along y; all three lie in the plane z = 0.
+  for (const Index node : {2, 5, 8}) ASSERT_EQ(mesh.points[node - 1].z, 0);
+  ASSERT_EQ(mesh.points[8 - 1].y, mesh.points[2 - 1].y);
+  ASSERT_EQ(mesh.points[5 - 1].x, mesh.points[2 - 1].x);
   std::ostringstream rest;
-  rest << "*BOUNDARY\n1, 1, 3\n2, 2, 3\n3, 3, 3\n"
+  rest << "*BOUNDARY\n2, 1, 3\n8, 2, 3\n5, 3, 3\n"
        << "*STEP\n*STATIC\n*DSLOAD\nOUTER, P, 2.\nCAVITIES, P, 2.\n*EL PRINT, ELSET=EALL\nS\n*END STEP\n";
   const auto tables = solve(mesh, rest.str());
   ASSERT_EQ(tables.size(), 1U);
