@@ -103,9 +103,9 @@ void add_bounds(Json& schema, const Range& range) {
 
 // A number, or a text of a number and one of the units.
 Json number_with_units(const Range& range, std::string_view units, bool takes_bare) {
-  const Json text = {{"type", "string"},
-                     {"pattern", fmt::format("^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)? ?({}){}$",
-                                             units, takes_bare ? "?" : "")}};
+  Json text = {{"type", "string"},
+               {"pattern", fmt::format("^[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][-+]?[0-9]+)? ?({}){}$", units,
+                                       takes_bare ? "?" : "")}};
   if (!takes_bare) return text;
   Json number = {{"type", "number"}};
   add_bounds(number, range);

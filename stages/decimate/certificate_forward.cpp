@@ -92,26 +92,34 @@ Overlay overlay_of(const std::array<Shadow, 3>& s) {
   return overlay;
 }
 
+Vec3 point_of(const std::array<Vec3, 3>& t, const Shadow& p) {
+  return t[0] * p.lambda[0] + t[1] * p.lambda[1] + t[2] * p.lambda[2];
+}
+
 // Whether T is within the tolerance of the isosurface all over its overlay with the triangle `id`: by the
 // heights, or because the overlay's corners are all within the tolerance of one triangle, this or one beside
-// it.
+// it. If not, `highest` is the corner of the overlay with the greatest height.
 bool overlay_is_within(const Reference& reference, Index id, const std::array<Shadow, 3>& s,
-                       const std::array<Vec3, 3>& t, double tolerance) {
+                       const std::array<Vec3, 3>& t, double tolerance, Vec3& highest) {
   const auto is_low = [&](const Shadow& p) { return std::abs(p.height) <= tolerance; };
   if (is_low(s[0]) && is_low(s[1]) && is_low(s[2])) return true;
   const Overlay overlay = overlay_of(s);
   const auto begin = overlay.corner.begin(), end = begin + static_cast<std::ptrdiff_t>(overlay.count);
   if (std::all_of(begin, end, is_low)) return true;
+  std::array<Vec3, 9> point;
+  for (std::size_t i = 0; i < overlay.count; ++i) point[i] = point_of(t, overlay.corner[i]);
   const auto is_near = [&](Index other) {
     if (other == kNoIndex) return false;
     const auto corners = reference.corners(other);
-    return std::all_of(begin, end, [&](const Shadow& p) {
-      const Vec3 x = t[0] * p.lambda[0] + t[1] * p.lambda[1] + t[2] * p.lambda[2];
-      return squared_distance(x, corners) <= tolerance * tolerance;
-    });
+    return std::all_of(point.begin(), point.begin() + static_cast<std::ptrdiff_t>(overlay.count),
+                       [&](Vec3 x) { return squared_distance(x, corners) <= tolerance * tolerance; });
   };
   const auto& across = reference.triangles[id].across;
-  return is_near(id) || is_near(across[0]) || is_near(across[1]) || is_near(across[2]);
+  if (is_near(id) || is_near(across[0]) || is_near(across[1]) || is_near(across[2])) return true;
+  const auto top = std::max_element(
+      begin, end, [](const Shadow& a, const Shadow& b) { return std::abs(a.height) < std::abs(b.height); });
+  highest = point[static_cast<std::size_t>(top - begin)];
+  return false;
 }
 
 // What a triangle adds to the degree at the probe: positive ones count only when surely around it, negative
@@ -192,12 +200,12 @@ std::size_t longest_edge(const std::array<Vec3, 3>& c) {
 
 }  // namespace
 
-bool certify_by_overlay(const Reference& reference, const DualTriangle& triangle, Vec3 direction,
-                        double tolerance, ForwardScratch& scratch) {
+Answer certify_by_overlay(const Reference& reference, const DualTriangle& triangle, Vec3 direction,
+                          double tolerance, ForwardScratch& scratch) {
   const ShadowMap map(triangle.corner, direction);
-  if (!map.is_valid()) return false;
+  if (!map.is_valid()) return Answer::kUnknown;
   const Index seed = walk_to_probe(reference, triangle.nearest[0], map);
-  if (seed == kNoIndex) return false;
+  if (seed == kNoIndex) return Answer::kUnknown;
   scratch.stamp.resize(reference.triangles.size(), 0);
   if (++scratch.tick == 0) {
     std::fill(scratch.stamp.begin(), scratch.stamp.end(), 0u);
@@ -209,18 +217,21 @@ bool certify_by_overlay(const Reference& reference, const DualTriangle& triangle
   int degree = 0;
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const auto s = shadows(reference, queue[head], map);
-    if (!overlay_is_within(reference, queue[head], s, triangle.corner, tolerance)) return false;
+    Vec3 highest;
+    if (!overlay_is_within(reference, queue[head], s, triangle.corner, tolerance, highest)) {
+      return reference.has_within(highest, tolerance) ? Answer::kUnknown : Answer::kRefuted;
+    }
     degree += degree_at_probe(s);
     for (std::size_t k = 0; k < 3; ++k) {
       if (!edge_meets(s[(k + 1) % 3], s[(k + 2) % 3])) continue;
       const Index next = reference.triangles[queue[head]].across[k];
-      if (next == kNoIndex || queue.size() > kFloodLimit) return false;
+      if (next == kNoIndex || queue.size() > kFloodLimit) return Answer::kUnknown;
       if (scratch.stamp[next] == scratch.tick) continue;
       scratch.stamp[next] = scratch.tick;
       queue.push_back(next);
     }
   }
-  return degree >= 1;
+  return degree >= 1 ? Answer::kProved : Answer::kUnknown;
 }
 
 bool certify_by_bisection(const Reference& reference, const std::array<Vec3, 3>& triangle, double tolerance,
@@ -261,9 +272,11 @@ bool certify_forward(const Reference& reference, const DualTriangle& triangle, d
       normalized(reference.normals[near[0]] + reference.normals[near[1]] + reference.normals[near[2]]);
   const auto& c = triangle.corner;
   const Vec3 own = normalized(cross(c[1] - c[0], c[2] - c[0]));
-  return certify_by_overlay(reference, triangle, mean, tolerance, scratch) ||
-         certify_by_overlay(reference, triangle, own, tolerance, scratch) ||
-         certify_by_bisection(reference, c, tolerance, kBisectionDepth, scratch);
+  for (const Vec3 direction : {mean, own}) {
+    const Answer answer = certify_by_overlay(reference, triangle, direction, tolerance, scratch);
+    if (answer != Answer::kUnknown) return answer == Answer::kProved;
+  }
+  return certify_by_bisection(reference, c, tolerance, kBisectionDepth, scratch);
 }
 
 }  // namespace periost

@@ -9,7 +9,9 @@
 // T is within the tolerance all over the overlay if its corners are so to one triangle. No edge of the
 // collected patch's border has a shadow that meets T, so the degree of the projection of the patch onto T's
 // plane is the same at every point of T; if it is at least 1 at one point, each point of T lies in an
-// overlay, and so within the tolerance. Tried along the mean isosurface normal, then along T's own.
+// overlay, and so within the tolerance. Tried along the mean isosurface normal, then along T's own. An
+// overlay that fails names a point of T, its highest; where no isosurface triangle is within the tolerance of
+// that point, T is refuted and nothing more is tried.
 //
 // Bisection. The distance to one triangle is a convex function, so a triangle whose three corners lie within
 // the tolerance of the same isosurface triangle lies within it altogether. T's longest edge is bisected until
@@ -36,9 +38,11 @@ struct DualTriangle {
   std::array<Index, 3> nearest;
 };
 
-// Whether the overlay along `direction` (unit length) proves T. Sound, not complete.
-bool certify_by_overlay(const Reference& reference, const DualTriangle& triangle, Vec3 direction,
-                        double tolerance, ForwardScratch& scratch);
+enum class Answer { kProved, kRefuted, kUnknown };
+
+// What the overlay along `direction` (unit length) says of T. Sound both ways, not complete.
+Answer certify_by_overlay(const Reference& reference, const DualTriangle& triangle, Vec3 direction,
+                          double tolerance, ForwardScratch& scratch);
 
 // Whether bisection down to `depth` proves T. Sound; complete as the depth grows but for limit cases.
 bool certify_by_bisection(const Reference& reference, const std::array<Vec3, 3>& triangle, double tolerance,

@@ -207,8 +207,9 @@ Reference::CellRange Reference::cells_around(Vec3 point, double radius) const {
   return range;
 }
 
+// Stops when `visit` returns false, and returns that.
 template <class Visit>
-void Reference::visit_cells(const CellRange& range, Visit&& visit) const {
+bool Reference::visit_cells(const CellRange& range, Visit&& visit) const {
   for (std::int32_t k = range.lo[2]; k <= range.hi[2]; ++k) {
     for (std::int32_t j = range.lo[1]; j <= range.hi[1]; ++j) {
       for (std::int32_t i = range.lo[0]; i <= range.hi[0]; ++i) {
@@ -220,22 +221,34 @@ void Reference::visit_cells(const CellRange& range, Visit&& visit) const {
         const std::uint32_t block = directory_[place];
         if (block == kNoIndex) continue;
         const std::uint64_t cell = morton(i % kSide, j % kSide, k % kSide);
-        for (Index t = block_[block][cell]; t < block_[block][cell + 1]; ++t) visit(t);
+        for (Index t = block_[block][cell]; t < block_[block][cell + 1]; ++t) {
+          if (!visit(t)) return false;
+        }
       }
     }
   }
+  return true;
 }
 
 Reference::Nearest Reference::nearest(Vec3 point, double radius, Vec3 facing) const {
   Nearest best{kNoIndex, radius * radius};
   visit_cells(cells_around(point, radius), [&](Index t) {
-    if (dot(normals[t], facing) <= 0) return;
+    if (dot(normals[t], facing) <= 0) return true;
     const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
-    if (height * height > best.squared_distance) return;
+    if (height * height > best.squared_distance) return true;
     const double d = squared_distance(point, corners(t));
     if (d < best.squared_distance || (d == best.squared_distance && t < best.triangle)) best = {t, d};
+    return true;
   });
   return best;
+}
+
+bool Reference::has_within(Vec3 point, double radius) const {
+  const double limit = radius * radius;
+  return !visit_cells(cells_around(point, radius), [&](Index t) {
+    const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
+    return height * height > limit * (1 + 1e-12) || squared_distance(point, corners(t)) > limit;
+  });
 }
 
 void Reference::within(Vec3 point, double radius, std::vector<Index>& found) const {
@@ -246,6 +259,7 @@ void Reference::within(Vec3 point, double radius, std::vector<Index>& found) con
     if (height * height <= limit * (1 + 1e-12) && squared_distance(point, corners(t)) <= limit) {
       found.push_back(t);
     }
+    return true;
   });
 }
 

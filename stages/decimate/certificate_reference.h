@@ -43,6 +43,8 @@ class Reference {
 
   // Replaces `found` by all triangles within `radius` of the point, in ascending order of cells.
   void within(Vec3 point, double radius, std::vector<Index>& found) const;
+  // Whether there is any.
+  bool has_within(Vec3 point, double radius) const;
 
   std::array<Vec3, 3> corners(Index triangle) const {
     const auto& c = triangles[triangle].corner;
@@ -62,7 +64,7 @@ class Reference {
   void build_blocks(const std::vector<std::uint64_t>& codes);
   CellRange cells_around(Vec3 point, double radius) const;
   template <class Visit>
-  void visit_cells(const CellRange& range, Visit&& visit) const;
+  bool visit_cells(const CellRange& range, Visit&& visit) const;
 
   GridFrame frame_;
   std::array<std::int32_t, 3> first_cell_{};          // smallest cell index, a multiple of kSide

@@ -13,30 +13,40 @@ constexpr std::size_t kMaxTargets = 64;
 
 using Target = ReverseScratch::Target;
 
-Target make_target(Index id, const std::array<Vec3, 3>& c) {
-  const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
+Target make_target(Index id, const std::array<Vec3, 3>& c, double tolerance) {
+  const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0], e0 = c[2] - c[1];
   const Vec3 n = cross(e1, e2);
-  const double nn = squared_norm(n);
-  return {id, c, cross(e2, n) / nn, cross(n, e1) / nn, n / std::sqrt(nn)};
+  const double nn = squared_norm(n), length = std::sqrt(nn);
+  const std::array<double, 3> squares{squared_norm(e0), squared_norm(e2), squared_norm(e1)};
+  Target target{id, {}, {}, c, {e0, e2, e1}, squares, cross(e2, n) / nn, cross(n, e1) / nn, n / length, {}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    target.margin[k] = tolerance * std::sqrt(squares[k]) / length;
+    target.lo[k] = std::min({c[0][k], c[1][k], c[2][k]}) - tolerance;
+    target.hi[k] = std::max({c[0][k], c[1][k], c[2][k]}) + tolerance;
+  }
+  return target;
 }
 
-bool segment_is_within(Vec3 p, Vec3 a, Vec3 b, double limit) {
-  const Vec3 e = b - a, d = p - a;
-  const double t = std::clamp(dot(d, e) / squared_norm(e), 0.0, 1.0);
-  return squared_norm(d - e * t) <= limit;
+bool segment_is_within(Vec3 d, Vec3 edge, double squared_length, double limit) {
+  const double along = std::clamp(dot(d, edge) / squared_length, 0.0, 1.0);
+  return squared_norm(d - edge * along) <= limit;
 }
 
 // Whether p is within sqrt(limit) of the closed triangle.
 bool is_within(const Target& target, Vec3 p, double limit) {
+  if (p.x < target.lo.x || p.x > target.hi.x || p.y < target.lo.y || p.y > target.hi.y || p.z < target.lo.z ||
+      p.z > target.hi.z) {
+    return false;
+  }
   const Vec3 d = p - target.corner[0];
+  const double l1 = dot(d, target.row1), l2 = dot(d, target.row2), l0 = 1 - l1 - l2;
+  if (l0 < -target.margin[0] || l1 < -target.margin[1] || l2 < -target.margin[2]) return false;
   const double h = dot(d, target.normal);
   if (h * h > limit) return false;
-  const double l1 = dot(d, target.row1), l2 = dot(d, target.row2);
-  if (l1 >= 0 && l2 >= 0 && l1 + l2 <= 1) return true;
-  const auto& c = target.corner;
-  return (l1 < 0 && segment_is_within(p, c[0], c[2], limit)) ||
-         (l2 < 0 && segment_is_within(p, c[0], c[1], limit)) ||
-         (l1 + l2 > 1 && segment_is_within(p, c[1], c[2], limit));
+  if (l0 >= 0 && l1 >= 0 && l2 >= 0) return true;
+  return (l1 < 0 && segment_is_within(d, target.edge[1], target.squared_length[1], limit)) ||
+         (l2 < 0 && segment_is_within(d, target.edge[2], target.squared_length[2], limit)) ||
+         (l0 < 0 && segment_is_within(p - target.corner[1], target.edge[0], target.squared_length[0], limit));
 }
 
 // The certificate of one proposal.
@@ -164,18 +174,16 @@ class Renewal {
 };
 
 void collect_targets(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around,
-                     ReverseScratch& scratch) {
+                     double tolerance, ReverseScratch& scratch) {
   scratch.targets.clear();
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    std::array<Vec3, 3> c;
-    for (std::size_t k = 0; k < 3; ++k) c[k] = proposal.point_of(mesh, proposal.cells[i].corner[k]);
-    scratch.targets.push_back(make_target(proposal.after[i], c));
+    scratch.targets.push_back(
+        make_target(proposal.after[i], corners_after(mesh, proposal, proposal.cells[i]), tolerance));
   }
   scratch.ring_size = scratch.targets.size();
   for (const Index t : around) {
     if (scratch.targets.size() == kMaxTargets) break;
-    const auto& c = mesh.triangles[t].corner;
-    scratch.targets.push_back(make_target(t, {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]}));
+    scratch.targets.push_back(make_target(t, corners_now(mesh, t), tolerance));
   }
 }
 
@@ -219,7 +227,7 @@ bool certify_reverse(const Reference& reference, const CertifiedMesh& mesh, cons
   }
   scratch.tick += 2;
   collect_hurt(proofs, proposal, around, scratch.renewed);
-  collect_targets(mesh, proposal, around, scratch);
+  collect_targets(mesh, proposal, around, tolerance, scratch);
   scratch.proofs.resize(scratch.renewed.size());
   Renewal renewal(reference, tolerance, scratch);
   for (std::size_t i = 0; i < scratch.renewed.size(); ++i) {

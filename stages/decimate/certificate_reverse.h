@@ -37,8 +37,12 @@ struct ReverseScratch {
   // A triangle in the form that answers "within the tolerance?" quickly.
   struct Target {
     Index id;
+    Vec3 lo, hi;  // box around all that is within the tolerance
     std::array<Vec3, 3> corner;
-    Vec3 row1, row2, normal;
+    std::array<Vec3, 3> edge;              // opposite to each corner
+    std::array<double, 3> squared_length;  // of the edges
+    Vec3 row1, row2, normal;               // d.row1 and d.row2 are barycentric coordinates 1 and 2
+    std::array<double, 3> margin;          // barycentric coordinates at the tolerance outside each edge
   };
   std::vector<Target> targets;  // triangles of the new ring first, then those around it; at most 64
   std::size_t ring_size = 0;

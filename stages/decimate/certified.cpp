@@ -20,6 +20,7 @@ namespace periost {
 namespace {
 
 constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
+constexpr double kNoticedStep = 0.1;   // tolerances
 constexpr int kSheetSide = 2;          // voxels
 constexpr int kStages = 6;             // removal stages by cost
 constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
@@ -81,19 +82,21 @@ std::size_t living_triangles(const CertifiedMesh& mesh) {
 }
 
 CertifiedState make_state(const Reference& reference, const Isosurface& isosurface,
-                          const DecimateOptions& options) {
+                          const DecimateOptions& options, const Context& context) {
   CertifiedMesh mesh = make_certified_mesh(reference);
   ReverseProofs proofs = make_reverse_proofs(reference.triangles.size());
   if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
     drop_small_components(static_cast<std::size_t>(options.small_triangles), mesh, proofs);
   }
   const double tolerance = tolerance_mm(isosurface, options) * (1 - kRounding);
+  mesh.least_step = kNoticedStep * tolerance;
   SheetGrid sheets(reference, mesh, kSheetSide);
   return {reference,
           std::move(mesh),
           std::move(proofs),
           make_quadrics(reference),
           std::move(sheets),
+          make_size_limits(isosurface, reference, options, context),
           tolerance,
           tolerance * reverse_scale(options.reverse),
           std::vector<std::uint32_t>(3 * reference.triangles.size(), 0),
@@ -107,6 +110,7 @@ GuardLimits limits_of(const DecimateOptions& options) {
   limits.min_angle = options.min_angle.radians();
   limits.min_barycentric = options.min_barycentric;
   limits.topology = options.topology;
+  limits.dihedral_cosine = -std::cos(options.min_edge_angle.radians());
   return limits;
 }
 
@@ -133,6 +137,7 @@ class Schedule {
       sweep(kTopologySlack, final_round);
       end_step("round");
       const std::size_t after = living_triangles(state_.mesh);
+      if (removals_left() == 0) break;
       if (static_cast<double>(before - after) < kWorthwhile * static_cast<double>(after)) break;
     }
     deform();
@@ -308,7 +313,7 @@ void require_no_intersection(const SurfaceMesh& result, const Isosurface& isosur
 SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptions& options,
                                Context& context) {
   const Reference reference(isosurface);
-  CertifiedState state = make_state(reference, isosurface, options);
+  CertifiedState state = make_state(reference, isosurface, options, context);
   Schedule schedule(state, options, context);
   schedule.run();
   const SurfaceMesh surface = extract_surface(state);

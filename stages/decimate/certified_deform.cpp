@@ -10,12 +10,28 @@ namespace {
 
 constexpr std::size_t kBlock = 2048;
 constexpr double kReach = 4;          // tolerances within which the isosurface pulls
-constexpr double kLeastStep = 0.02;   // tolerances; smaller ones are not worth a check
+constexpr double kLeastStep = 0.1;    // tolerances; smaller ones are not worth a check
 constexpr double kLeastFacing = 0.5;  // product of the normals below which it does not
 
 Vec3 barycentre(const CertifiedMesh& mesh, Index t) {
   const auto& c = mesh.triangles[t].corner;
   return (mesh.points[c[0]] + mesh.points[c[1]] + mesh.points[c[2]]) / 3;
+}
+
+// The living triangles, numbered without gaps.
+struct Living {
+  std::vector<Index> triangle;  // by number
+  std::vector<Index> number;    // of triangles; kNoIndex for dead ones
+};
+Living living_triangles_of(const CertifiedMesh& mesh) {
+  Living living;
+  living.number.assign(mesh.triangles.size(), kNoIndex);
+  for (Index t = 0; t < mesh.triangles.size(); ++t) {
+    if (!mesh.triangles[t].is_alive()) continue;
+    living.number[t] = static_cast<Index>(living.triangle.size());
+    living.triangle.push_back(t);
+  }
+  return living;
 }
 
 // A simplex vertex: its geometry against its neighbours and its simplex angle. `is_free`: it has three
@@ -30,7 +46,6 @@ struct Sample {
 Sample sample_of(const CertifiedMesh& mesh, Index t) {
   Sample sample;
   const LinkedTriangle& triangle = mesh.triangles[t];
-  if (!triangle.is_alive()) return sample;
   sample.place = barycentre(mesh, t);
   std::array<Vec3, 3> neighbours;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -45,8 +60,8 @@ Sample sample_of(const CertifiedMesh& mesh, Index t) {
 }
 
 // The mean simplex angle over Q^s of a triangle, breadth first.
-double mean_angle(const CertifiedMesh& mesh, const std::vector<Sample>& samples, Index t, int extent,
-                  std::vector<Index>& found) {
+double mean_angle(const CertifiedMesh& mesh, const Living& living, const std::vector<Sample>& samples,
+                  Index t, int extent, std::vector<Index>& found) {
   found.assign(1, t);
   std::size_t ring = 0;
   for (int step = 0; step < extent; ++step) {
@@ -61,8 +76,9 @@ double mean_angle(const CertifiedMesh& mesh, const std::vector<Sample>& samples,
   double sum = 0;
   std::size_t count = 0;
   for (const Index near : found) {
-    if (!samples[near].is_free) continue;
-    sum += samples[near].angle;
+    const Sample& sample = samples[living.number[near]];
+    if (!sample.is_free) continue;
+    sum += sample.angle;
     ++count;
   }
   return sum / static_cast<double>(count);
@@ -78,11 +94,11 @@ double height_of_isosurface(const CertifiedState& state, const Sample& sample) {
   return dot(state.reference.corners(near)[0] - sample.place, facing) / dot(n, facing);
 }
 
-Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const std::vector<Sample>& samples,
-              Index t, std::vector<Index>& found) {
-  const Sample& sample = samples[t];
+Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const Living& living,
+              const std::vector<Sample>& samples, Index t, std::vector<Index>& found) {
+  const Sample& sample = samples[living.number[t]];
   const SimplexParameters& p = sample.parameters;
-  const double angle = mean_angle(state.mesh, samples, t, options.rigidity, found);
+  const double angle = mean_angle(state.mesh, living, samples, t, options.rigidity, found);
   const double rise = height_at_angle(angle, p.power, p.circumradius) - p.height;
   const double pull = options.stiffness * height_of_isosurface(state, sample);
   return (sample.centroid - p.foot) * 0.5 + p.normal * (0.5 * rise + pull);
@@ -93,15 +109,18 @@ Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const
 std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options,
                                   const std::vector<Vec3>& previous, const Context& context) {
   const CertifiedMesh& mesh = state.mesh;
-  std::vector<Sample> samples(mesh.triangles.size());
-  std::vector<Vec3> forces(mesh.triangles.size());
-  parallel_blocks(context, samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) samples[t] = sample_of(mesh, static_cast<Index>(t));
+  const Living living = living_triangles_of(mesh);
+  const std::size_t count = living.triangle.size();
+  std::vector<Sample> samples(count);
+  std::vector<Vec3> forces(count);
+  parallel_blocks(context, count, kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sample_of(mesh, living.triangle[i]);
   });
-  parallel_blocks(context, samples.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(context, count, kBlock, [&](std::size_t begin, std::size_t end) {
     std::vector<Index> found;
-    for (std::size_t t = begin; t < end; ++t) {
-      if (samples[t].is_free) forces[t] = force_on(state, options, samples, static_cast<Index>(t), found);
+    for (std::size_t i = begin; i < end; ++i) {
+      if (samples[i].is_free)
+        forces[i] = force_on(state, options, living, samples, living.triangle[i], found);
     }
   });
   std::vector<Vec3> places = mesh.points;
@@ -110,7 +129,7 @@ std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOpt
     for (std::size_t v = begin; v < end; ++v) {
       if (mesh.incident[v] == kNoIndex || !gather_star(mesh, static_cast<Index>(v), star)) continue;
       Vec3 sum;
-      for (const Index t : star.triangle) sum += forces[t];
+      for (const Index t : star.triangle) sum += forces[living.number[t]];
       places[v] += sum / static_cast<double>(star.triangle.size());
       if (!previous.empty()) places[v] += (mesh.points[v] - previous[v]) * (1 - options.damping);
     }

@@ -58,11 +58,10 @@ Vec3 normal_of(const std::array<Vec3, 3>& c) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]));
 }
 
-// How far the smallest angle falls short of the limit, radians.
-double angle_deficit(const std::array<Vec3, 3>& c, double limit, double limit_cosine) {
-  const double twice_cosine = twice_largest_cosine(c);
-  if (twice_cosine <= 2 * limit_cosine) return 0;
-  return limit - std::acos(std::min(1.0, twice_cosine / 2));
+// How far the smallest angle falls short of the limit, measured by twice its cosine: in radians at 30
+// degrees.
+double angle_deficit(const std::array<Vec3, 3>& c, double twice_limit_cosine) {
+  return std::max(0.0, twice_largest_cosine(c) - twice_limit_cosine);
 }
 
 // Sum over the half-edges of one triangle of the excess of |D| over the limit.
@@ -129,8 +128,7 @@ double twice_largest_cosine(const std::array<Vec3, 3>& c) {
 }
 
 double min_angle(const std::array<Vec3, 3>& triangle) {
-  constexpr double kRight = 1.5707963267948966;
-  return kRight - angle_deficit(triangle, kRight, 0.0);
+  return std::acos(std::clamp(twice_largest_cosine(triangle) / 2, 0.0, 1.0));
 }
 
 double smallest_barycentric(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
@@ -170,9 +168,9 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
 
 bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
                   double* gain) {
-  const double cosine = std::cos(limits.min_angle);
+  const double limit = 2 * std::cos(limits.min_angle);
   const auto weighed = [&](const std::array<Vec3, 3>& corners) {
-    const double deficit = angle_deficit(corners, limits.min_angle, cosine);
+    const double deficit = angle_deficit(corners, limit);
     return limits.worst_angle_first ? deficit * deficit * deficit * deficit : deficit;
   };
   const BeforeView before{mesh};

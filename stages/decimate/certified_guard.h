@@ -21,6 +21,7 @@ enum class Refusal : std::uint8_t {
   kDistance,
   kReverse,
   kSelfIntersection,
+  kSize,
   kCount
 };
 

@@ -227,12 +227,15 @@ void apply(const Proposal& proposal, CertifiedMesh& mesh) {
   for (const auto& change : proposal.valence_changes) {
     mesh.valence[change.vertex] = static_cast<std::uint8_t>(mesh.valence[change.vertex] + change.by);
   }
-  for (const Index v : proposal.rim) ++mesh.version[v];
+  if (proposal.kind != MoveKind::kRelocation) {
+    for (const Index v : proposal.rim) ++mesh.version[v];
+  }
   if (proposal.removed != kNoIndex) mesh.incident[proposal.removed] = kNoIndex;
   if (proposal.moved != kNoIndex) {
+    const double step = distance(mesh.points[proposal.moved], proposal.place);
+    if (proposal.kind != MoveKind::kRelocation || step > mesh.least_step) ++mesh.version[proposal.moved];
     mesh.points[proposal.moved] = proposal.place;
     mesh.nearest[proposal.moved] = proposal.place_nearest;
-    ++mesh.version[proposal.moved];
   }
 }
 

@@ -17,7 +17,10 @@ struct CertifiedMesh {
   std::vector<Index> incident;            // of points: one triangle, kNoIndex when removed
   std::vector<std::uint8_t> valence;      // of points: simplex vertices of the face, 255 when more
   std::vector<std::uint8_t> is_locked;    // of points: contours, small components, borders of a region
-  std::vector<std::uint32_t> version;     // of points: raised whenever a triangle at it changes
+  // Of points: raised when a triangle at it is replaced, or when it moves by more than the least step (mm)
+  // that gives moves refused before a new chance.
+  std::vector<std::uint32_t> version;
+  double least_step = 0;
 };
 
 // The mesh that is the isosurface itself; distance 0 everywhere. Contour points are locked.
@@ -101,6 +104,17 @@ struct Proposal {
     return mesh.triangles[triangle];
   }
 };
+
+inline std::array<Vec3, 3> corners_now(const CertifiedMesh& mesh, Index triangle) {
+  const auto& c = mesh.triangles[triangle].corner;
+  return {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
+}
+// Of a triangle's record as it would be after the move.
+inline std::array<Vec3, 3> corners_after(const CertifiedMesh& mesh, const Proposal& proposal,
+                                         const LinkedTriangle& cell) {
+  return {proposal.point_of(mesh, cell.corner[0]), proposal.point_of(mesh, cell.corner[1]),
+          proposal.point_of(mesh, cell.corner[2])};
+}
 
 // Each describes a move without its place; false when the result would not be a simplicial manifold (the
 // link condition), or when a vertex of it is locked or on a contour.

@@ -72,6 +72,7 @@ bool is_forward_certified(const CertifiedState& state, Worker& worker) {
 Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles) {
   Proposal& proposal = worker.proposal;
   if (!locate(state, worker, proposal, facing)) return Refusal::kDistance;
+  if (!meets_sizes(state.sizes, state.mesh, proposal)) return Refusal::kSize;
   if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
   if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
   if (!is_forward_certified(state, worker)) return Refusal::kDistance;

@@ -11,6 +11,7 @@
 #include "stages/decimate/certified_guard.h"
 #include "stages/decimate/certified_place.h"
 #include "stages/decimate/certified_sheets.h"
+#include "stages/decimate/certified_sizes.h"
 
 namespace periost {
 
@@ -22,6 +23,7 @@ struct CertifiedState {
   ReverseProofs proofs;
   std::vector<Quadric> quadrics;  // of points
   SheetGrid sheets;
+  SizeLimits sizes;
   double tolerance = 0;          // mm, rounding already taken off
   double reverse_tolerance = 0;  // mm, likewise; 0: no reverse certificate
   // Neighbourhoods in which a move was refused, by their signatures; it is not tried again in the same.

@@ -12,7 +12,7 @@ constexpr std::size_t kQueueSize = 1000;  // living vertices of one queue
 constexpr double kRelocationStrength = 1.0;
 constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
 constexpr int kSwapRounds = 4;        // around one removal
-constexpr double kLeastFit = 1e-3;    // tolerances: smaller mean heights are left
+constexpr double kLeastFit = 0.02;    // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
 constexpr std::uint32_t kSliverMark = 0x51D0;  // tells signatures of sliver_pass from those of angle_pass
@@ -282,7 +282,8 @@ double mean_height(const CertifiedState& state, const Star& star) {
 
 bool has_angle_under(const CertifiedState& state, Index t, double limit) {
   const auto& c = state.mesh.triangles[t].corner;
-  return min_angle({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) < limit;
+  return twice_largest_cosine({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) >
+         2 * std::cos(limit);
 }
 
 }  // namespace

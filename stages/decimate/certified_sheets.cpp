@@ -11,16 +11,6 @@ namespace {
 constexpr std::size_t kMostCells = std::size_t{1} << 22;
 constexpr double kConeCosine = 0.5;  // normals within 60 degrees of their mean: the disk is a height field
 
-std::array<Vec3, 3> corners_after(const CertifiedMesh& mesh, const Proposal& proposal, std::size_t i) {
-  const auto& c = proposal.cells[i].corner;
-  return {proposal.point_of(mesh, c[0]), proposal.point_of(mesh, c[1]), proposal.point_of(mesh, c[2])};
-}
-
-std::array<Vec3, 3> corners_now(const CertifiedMesh& mesh, Index t) {
-  const auto& c = mesh.triangles[t].corner;
-  return {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
-}
-
 Vec3 normal_of(const std::array<Vec3, 3>& c) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]));
 }
@@ -47,13 +37,25 @@ bool meet_beyond_corner(const std::array<Vec3, 3>& a, std::size_t i, const std::
          segment_meets_triangle(b[(j + 1) % 3], b[(j + 2) % 3], a);
 }
 
+Box box_of(const std::array<Vec3, 3>& c) {
+  Box box;
+  for (const Vec3& point : c) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = std::min(box.lo[axis], point[axis]);
+      box.hi[axis] = std::max(box.hi[axis], point[axis]);
+    }
+  }
+  return box;
+}
+
 // Whether all normals of the ring and around it lie in one narrow cone.
 bool is_height_field(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around) {
   Vec3 sum;
-  for (std::size_t i = 0; i < proposal.after.size(); ++i) sum += normal_of(corners_after(mesh, proposal, i));
+  for (std::size_t i = 0; i < proposal.after.size(); ++i)
+    sum += normal_of(corners_after(mesh, proposal, proposal.cells[i]));
   const double limit = kConeCosine * norm(sum);
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    if (dot(sum, normal_of(corners_after(mesh, proposal, i))) <= limit) return false;
+    if (dot(sum, normal_of(corners_after(mesh, proposal, proposal.cells[i]))) <= limit) return false;
   }
   return std::all_of(around.begin(), around.end(),
                      [&](Index t) { return dot(sum, normal_of(corners_now(mesh, t))) > limit; });
@@ -63,11 +65,11 @@ bool is_height_field(const CertifiedMesh& mesh, const Proposal& proposal, const 
 bool meets_neighbours(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around) {
   std::size_t p = 0, q = 0;
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    const auto a = corners_after(mesh, proposal, i);
+    const auto a = corners_after(mesh, proposal, proposal.cells[i]);
     const auto& ids = proposal.cells[i].corner;
     for (std::size_t j = i + 1; j < proposal.after.size(); ++j) {
       if (shared_corners(ids, proposal.cells[j].corner, p, q) == 1 &&
-          meet_beyond_corner(a, p, corners_after(mesh, proposal, j), q)) {
+          meet_beyond_corner(a, p, corners_after(mesh, proposal, proposal.cells[j]), q)) {
         return true;
       }
     }
@@ -115,24 +117,28 @@ void SheetGrid::refill(const CertifiedMesh& mesh) {
   }
 }
 
-SheetGrid::Range SheetGrid::range_of(const std::array<Vec3, 3>& corners) const {
+SheetGrid::Range SheetGrid::range_of(const Vec3* begin, const Vec3* end) const {
+  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+  for (const Vec3* point = begin; point != end; ++point) {
+    const Vec3 q = frame_.to_index(*point);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], q[axis]);
+      hi[axis] = std::max(hi[axis], q[axis]);
+    }
+  }
   Range range{};
-  std::array<Vec3, 3> q;
-  for (std::size_t k = 0; k < 3; ++k) q[k] = frame_.to_index(corners[k]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double lo = std::min({q[0][axis], q[1][axis], q[2][axis]}) - 1e-6;
-    const double hi = std::max({q[0][axis], q[1][axis], q[2][axis]}) + 1e-6;
     const auto cell = [&](double x) {
       return std::clamp(static_cast<std::int32_t>(std::floor(x / side_)) - first_[axis], 0, count_[axis] - 1);
     };
-    range.lo[axis] = cell(lo);
-    range.hi[axis] = cell(hi);
+    range.lo[axis] = cell(lo[axis] - 1e-6);
+    range.hi[axis] = cell(hi[axis] + 1e-6);
   }
   return range;
 }
 
 void SheetGrid::insert(Index triangle, const std::array<Vec3, 3>& corners) {
-  for_cells(range_of(corners), [&](std::vector<Index>& list) {
+  for_cells(range_of(corners.data(), corners.data() + 3), [&](std::vector<Index>& list) {
     if (std::find(list.begin(), list.end(), triangle) == list.end()) list.push_back(triangle);
     return true;
   });
@@ -142,38 +148,46 @@ void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal) {
   for (const Index t : proposal.after) insert(t, corners_now(mesh, t));
 }
 
+// All new triangles are looked at together, so that what is near them is fetched once.
 bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) {
   if (scratch.stamp.size() < mesh.triangles.size()) scratch.stamp.resize(mesh.triangles.size(), 0);
-  for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    const auto a = corners_after(mesh, proposal, i);
-    Vec3 lo = a[0], hi = a[0];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min({a[0][axis], a[1][axis], a[2][axis]});
-      hi[axis] = std::max({a[0][axis], a[1][axis], a[2][axis]});
-    }
-    const std::uint32_t tick = ++scratch.tick;
-    const auto is_clear_of = [&](Index t) {
-      if (scratch.stamp[t] == tick) return true;
-      scratch.stamp[t] = tick;
-      const LinkedTriangle& other = mesh.triangles[t];
-      if (!other.is_alive() || proposal.before.contains(t)) return true;
-      const auto b = corners_now(mesh, t);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (std::min({b[0][axis], b[1][axis], b[2][axis]}) > hi[axis] ||
-            std::max({b[0][axis], b[1][axis], b[2][axis]}) < lo[axis]) {
-          return true;
-        }
-      }
-      std::size_t p = 0, q = 0;
-      return shared_corners(proposal.cells[i].corner, other.corner, p, q) > 0 || !triangles_meet(a, b);
-    };
-    const bool is_clear = for_cells(range_of(a), [&](std::vector<Index>& list) {
-      std::erase_if(list, [&](Index t) { return !mesh.triangles[t].is_alive(); });
-      return std::all_of(list.begin(), list.end(), is_clear_of);
-    });
-    if (!is_clear) return true;
+  const std::uint32_t tick = ++scratch.tick;
+  scratch.corner.clear();
+  scratch.box.clear();
+  Box all;
+  for (const LinkedTriangle& cell : proposal.cells) {
+    const auto corners = corners_after(mesh, proposal, cell);
+    scratch.corner.insert(scratch.corner.end(), corners.begin(), corners.end());
+    scratch.box.push_back(box_of(corners));
+    all.add(scratch.box.back());
   }
-  return false;
+  const auto is_clear_of = [&](Index t) {
+    const auto b = corners_now(mesh, t);
+    const Box box = box_of(b);
+    if (!box.meets(all) || proposal.before.contains(t)) return true;
+    for (std::size_t i = 0; i < proposal.cells.size(); ++i) {
+      if (!box.meets(scratch.box[i])) continue;
+      std::size_t p = 0, q = 0;
+      if (shared_corners(proposal.cells[i].corner, mesh.triangles[t].corner, p, q) > 0) continue;
+      const Vec3* a = scratch.corner.data() + 3 * i;
+      if (triangles_meet({a[0], a[1], a[2]}, b)) return false;
+    }
+    return true;
+  };
+  const auto is_clear = [&](std::vector<Index>& list) {
+    std::size_t dead = 0;
+    for (const Index t : list) {
+      if (!mesh.triangles[t].is_alive()) {
+        ++dead;
+      } else if (scratch.stamp[t] != tick) {
+        scratch.stamp[t] = tick;
+        if (!is_clear_of(t)) return false;
+      }
+    }
+    if (dead > 0) std::erase_if(list, [&](Index t) { return !mesh.triangles[t].is_alive(); });
+    return true;
+  };
+  return !for_cells(range_of(scratch.corner.data(), scratch.corner.data() + scratch.corner.size()), is_clear);
 }
 
 bool SheetGrid::would_intersect(const CertifiedMesh& mesh, const Proposal& proposal,

@@ -8,9 +8,27 @@
 namespace periost {
 
 // Buffers of one thread.
+// An axis-parallel box; empty at first.
+struct Box {
+  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+
+  void add(const Box& o) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], o.lo[axis]);
+      hi[axis] = std::max(hi[axis], o.hi[axis]);
+    }
+  }
+  bool meets(const Box& o) const {
+    return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y && lo.z <= o.hi.z &&
+           o.lo.z <= hi.z;
+  }
+};
+
 struct SheetScratch {
   std::vector<std::uint32_t> stamp;  // of output triangles
   std::uint32_t tick = 0;
+  std::vector<Vec3> corner;  // of the new triangles, three each
+  std::vector<Box> box;      // of the new triangles
 };
 
 // A grid over the working mesh. A triangle stands in every cell that its bounding box has touched since it
@@ -41,7 +59,7 @@ class SheetGrid {
   struct Range {
     std::array<std::int32_t, 3> lo, hi;  // cells, inclusive
   };
-  Range range_of(const std::array<Vec3, 3>& corners) const;
+  Range range_of(const Vec3* begin, const Vec3* end) const;
   void insert(Index triangle, const std::array<Vec3, 3>& corners);
   bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
 

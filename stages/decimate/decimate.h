@@ -19,6 +19,14 @@ enum class DecimateMethod { kCertified, kPaper };
 enum class ReverseDistance { kNone, kOnce, kTwice };
 enum class SmallComponents { kKeep, kDrop };
 
+// Short edges around a place, say where a load will act.
+struct EdgeLimit {
+  Vec3 point;         // LPS mm
+  double radius = 0;  // mm
+  Length max_edge;    // longest edge of triangles within it
+  friend bool operator==(const EdgeLimit&, const EdgeLimit&) = default;
+};
+
 struct DecimateOptions {
   DecimateMethod method = DecimateMethod::kCertified;
   Length distance = Length::voxel(0.3);  // isosurface distance criterion (section 4.1)
@@ -29,6 +37,11 @@ struct DecimateOptions {
   double damping = 0.65;             // gamma of equation (1)
   int iterations = 5;                // of the law of motion after each operator
   Angle min_angle = Angle::deg(30);  // certified only: smallest angle of the dual triangles
+  Angle min_edge_angle = Angle::deg(20);  // certified only: least interior dihedral angle, outside or inside
+  double grading = 0;               // certified only: greatest ratio of neighbours' longest edges; 0: any
+  Length max_edge = Length::mm(0);  // certified only: longest edge; 0: any
+  double edge_per_thickness = 0;    // certified only: longest edge over thickness of wall or gap; 0: any
+  std::vector<EdgeLimit> refine;    // certified only
   ReverseDistance reverse = ReverseDistance::kOnce;  // certified only: tolerance of the reverse distance
   std::size_t max_triangles = 0;  // certified only: then only angles are mended; 0: to the end
   SmallComponents small_components = SmallComponents::kKeep;  // what to do with tiny closed surfaces

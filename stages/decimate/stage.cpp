@@ -22,6 +22,14 @@ static std::vector<Choice<SmallComponents>> choices_of(SmallComponents) {
           {SmallComponents::kDrop, "drop", "tiny surfaces are left out"}};
 }
 
+static void declare_params(ParamTable<EdgeLimit>& table) {
+  table.param("point", &EdgeLimit::point, Quantity::kLength, Range::required(), "The place, in mm, LPS.")
+      .param("radius", &EdgeLimit::radius, Quantity::kLength, Range::above(0).and_required(),
+             "How far around it the limit holds, in mm.")
+      .param("max_edge", &EdgeLimit::max_edge, Quantity::kLength, Range::above(0).and_required(),
+             "Longest edge there.");
+}
+
 namespace {
 
 class DecimateStage final : public StageOf<DecimateOptions> {
@@ -51,6 +59,22 @@ class DecimateStage final : public StageOf<DecimateOptions> {
                "Steps of the law of motion after each operator.")
         .param("min_angle", &O::min_angle, Quantity::kAngle, Range::between(0, 45),
                "Smallest angle of a triangle of the triangulation (method certified).")
+        .param(
+            "min_edge_angle", &O::min_edge_angle, Quantity::kAngle, Range::between(0, 60),
+            "Smallest dihedral angle at an edge, within the body or outside of it, that decimation may make "
+            "(method certified).")
+        .param(
+            "grading", &O::grading, Quantity::kNumber, Range::at_least(0),
+            "Greatest ratio between the longest edges of neighbouring triangles that decimation may make; 0 "
+            "sets no limit (method certified).")
+        .param("max_edge", &O::max_edge, Quantity::kLength, Range::at_least(0),
+               "Longest edge that decimation may make; 0 sets no limit (method certified).")
+        .param(
+            "edge_per_thickness", &O::edge_per_thickness, Quantity::kNumber, Range::at_least(0),
+            "Longest edge in parts of the distance to the next sheet, across a thin wall or a narrow gap; 0 "
+            "sets no limit (method certified).")
+        .param("refine", &O::refine, Quantity::kNone, Range::any(),
+               "Places around which edges are kept shorter (method certified).")
         .param("reverse", &O::reverse, Quantity::kNone, Range::any(),
                "How far the isosurface may lie from the triangulation, in distances (method certified).")
         .param("max_triangles", &O::max_triangles, Quantity::kCount, Range::at_least(0),

@@ -110,15 +110,18 @@ TEST(ForwardCertificate, EachStepIsSoundByItself) {
   const Reference reference(shapes::ellipsoid());
   Random random(5, 1);
   ForwardScratch scratch;
-  int overlay = 0, bisection = 0;
+  int overlay = 0, bisection = 0, refuted = 0;
   for (int trial = 0; trial < 120; ++trial) {
     const DualTriangle triangle = random_triangle(reference, random, 0.25);
     const auto& c = triangle.corner;
     const Vec3 own = normalized(cross(c[1] - c[0], c[2] - c[0]));
     if (own == Vec3{}) continue;
-    const bool by_overlay = certify_by_overlay(reference, triangle, own, 0.3, scratch);
+    const Answer answer = certify_by_overlay(reference, triangle, own, 0.3, scratch);
+    const bool by_overlay = answer == Answer::kProved;
     const bool by_bisection = certify_by_bisection(reference, c, 0.3, 9, scratch);
     overlay += by_overlay;
+    refuted += answer == Answer::kRefuted;
+    EXPECT_FALSE(answer == Answer::kRefuted && by_bisection);
     bisection += by_bisection;
     if (by_overlay || by_bisection) {
       EXPECT_LE(sampled_distance(reference, c, 10), 0.3 * (1 + 1e-9));
@@ -127,9 +130,11 @@ TEST(ForwardCertificate, EachStepIsSoundByItself) {
     // but for limit cases; never the other way round with the sense of rotation reversed.
     DualTriangle reversed = triangle;
     std::swap(reversed.corner[0], reversed.corner[1]);
-    EXPECT_FALSE(by_overlay && certify_by_overlay(reference, reversed, -own, 0.3, scratch));
+    EXPECT_FALSE(by_overlay &&
+                 certify_by_overlay(reference, reversed, -own, 0.3, scratch) == Answer::kProved);
   }
   EXPECT_GT(overlay, 5);
+  EXPECT_GT(refuted, 1);
   EXPECT_GE(bisection, overlay);
 }
 
@@ -137,8 +142,9 @@ TEST(ForwardCertificate, AcceptsTheSurfaceItself) {
   const Reference reference(shapes::stairs());
   ForwardScratch scratch;
   for (Index t = 0; t < reference.triangles.size(); t += 3) {
-    EXPECT_TRUE(certify_by_overlay(reference, {reference.corners(t), {t, t, t}}, reference.normals[t], 1e-3,
-                                   scratch));
+    EXPECT_EQ(
+        certify_by_overlay(reference, {reference.corners(t), {t, t, t}}, reference.normals[t], 1e-3, scratch),
+        Answer::kProved);
   }
 }
 
