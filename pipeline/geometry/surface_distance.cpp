@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t kBlockTriangles = 2048;
 constexpr int kMaxDepth = 12;
 constexpr int kMaxPieces = 1024;  // per side of a triangle
+// Spacings: below this a largest distance is taken as sampled. Where two surfaces are one but for their
+// edges, every piece across an edge would else be cut down to nothing.
+constexpr double kNoDistance = 0.01;
 
 struct Piece {
   Vec3 a, b, c;
@@ -65,12 +68,12 @@ void for_each_piece(const Piece& t, int n, Visit visit) {
 // the tolerance.
 class Refinement {
  public:
-  Refinement(const SpatialSearch& to, double tolerance, double smallest_gain)
-      : to_(to), tolerance_(tolerance), smallest_gain_(smallest_gain) {}
+  Refinement(const SpatialSearch& to, double tolerance, double smallest)
+      : to_(to), tolerance_(tolerance), smallest_(smallest) {}
 
   void refine(const Piece& piece, const Sample& centre, Sample& largest, int depth = 0) const {
     if (centre.distance > largest.distance) largest = centre;
-    const double enough = std::max(largest.distance * (1 + tolerance_), largest.distance + smallest_gain_);
+    const double enough = std::max(largest.distance * (1 + tolerance_), smallest_);
     if (depth == kMaxDepth || upper_bound(piece, to_.corners(centre.slot)) <= enough) return;
     const Vec3 ab = 0.5 * (piece.a + piece.b), bc = 0.5 * (piece.b + piece.c), ca = 0.5 * (piece.c + piece.a);
     for (const Piece& part :
@@ -81,7 +84,7 @@ class Refinement {
 
  private:
   const SpatialSearch& to_;
-  double tolerance_, smallest_gain_;
+  double tolerance_, smallest_;
 };
 
 double mean_edge(const SurfaceMesh& mesh) {
@@ -167,7 +170,7 @@ OneSidedDistance distance_to(const SurfaceMesh& from, const SpatialSearch& to, c
   }
 
   // Second pass: every block starts from the same maximum, so the result does not depend on their order.
-  const Refinement refinement(to, options.max_tolerance, 1e-6 * spacing);
+  const Refinement refinement(to, options.max_tolerance, kNoDistance * spacing);
   parallel_blocks(context, count, kBlockTriangles, [&](std::size_t begin, std::size_t end) {
     BlockResult& block = blocks[begin / kBlockTriangles];
     Sample block_largest = largest;

@@ -25,9 +25,10 @@ struct OneSidedDistance {
 // its area the distance at three points of each piece, the rule that is exact for quadratic functions. The
 // maximum is bounded, not sampled: inside a piece the distance to `to` is at most the largest distance of its
 // corners to any one triangle of `to` (the distance to a triangle is convex); where that bound exceeds the
-// largest distance found by more than the tolerance, the piece is quartered, to a depth of 12 and down to a
-// millionth of the spacing. Closest points are exact. Deterministic for any number of threads. About two
-// microseconds a piece. Empty surfaces give zeros. Preconditions: indices in range, points finite.
+// largest distance found by more than the tolerance, and a hundredth of the spacing, the piece is quartered,
+// to a depth of 12. So a maximum below a hundredth of the spacing is a sampled one. Closest points are exact.
+// Deterministic for any number of threads. About two microseconds a piece. Empty surfaces give zeros.
+// Preconditions: indices in range, points finite.
 OneSidedDistance distance_to(const SurfaceMesh& from, const SpatialSearch& to, const DistanceOptions& options,
                              const Context& context);
 

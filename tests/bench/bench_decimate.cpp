@@ -174,7 +174,7 @@ Isosurface phantom_isosurface(PhantomShape shape, double threshold_value, const 
   options.shape = shape;
   const Image image = make_phantom(options, context);
   const Mask mask = threshold(image, {.lower = threshold_value}, context);
-  return marching_cubes(&image, mask, {.keep = kLargest}, context);
+  return marching_cubes(&image, mask, {}, context);
 }
 
 Isosurface cranium_isosurface(const Context& context) {

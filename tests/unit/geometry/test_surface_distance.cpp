@@ -123,6 +123,29 @@ TEST(SurfaceDistance, SpheresOfTwoRadii) {
   EXPECT_NEAR(d.backward.summary.max, 0.5, 0.03);
 }
 
+// A square plate of n x n x 2 triangles.
+SurfaceMesh plate(Index n) {
+  SurfaceMesh mesh;
+  for (Index j = 0; j <= n; ++j) {
+    for (Index i = 0; i <= n; ++i) mesh.points.push_back({10.0 * i / n, 10.0 * j / n, 3});
+  }
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = 0; i < n; ++i) {
+      const Index a = j * (n + 1) + i, b = a + n + 1;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, a + 1, b}, {a + 1, b + 1, b}});
+    }
+  }
+  return mesh;
+}
+
+// Every piece lies across edges of the other plate; cut down until its corners have one triangle in common,
+// none would ever be small enough, and this would take minutes.
+TEST(SurfaceDistance, OneSurfaceCutTwoWaysIsNowhereAway) {
+  const TwoSidedDistance both = two_sided_distance(plate(90), plate(77), {}, Context());
+  EXPECT_LE(both.forward.summary.max, 1e-12);
+  EXPECT_LE(both.backward.summary.max, 1e-12);
+}
+
 TEST(SurfaceDistance, InvariantUnderMotionAndProportionalToScale) {
   SurfaceMesh a = torus_surface(5, 2, 40, 20), b = torus_surface(5, 2, 13, 9);
   const auto before = two_sided_distance(a, b, {}, Context{});
