@@ -104,8 +104,6 @@ std::string to_text(const Angle& angle) {
   return to_text(angle.degrees) + " deg";
 }
 
-constexpr std::uint64_t kMiB = 1048576;
-
 std::string to_text(const ByteSize& size) {
   if (size.bytes != 0 && size.bytes % kMiB == 0) return std::to_string(size.bytes / kMiB) + "MiB";
   return std::to_string(size.bytes) + "B";

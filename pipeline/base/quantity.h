@@ -28,6 +28,8 @@ struct Angle {
   friend bool operator==(const Angle&, const Angle&) = default;
 };
 
+inline constexpr std::uint64_t kMiB = 1048576;  // bytes
+
 // A size in bytes; 0 stands for "no limit" where a key allows it.
 struct ByteSize {
   std::uint64_t bytes = 0;

@@ -441,7 +441,7 @@ void check_memory(const Plan& plan, std::uint64_t memory_bytes) {
   throw Error(ErrorKind::kLimit, "limit.memory",
               fmt::format("this chain needs about {}{}, more than the {} that --memory allows",
                           mebibytes(needed), where, mebibytes(memory_bytes)),
-              fmt::format("allow at least --memory {}MiB or use a smaller image", needed / (1 << 20) + 1));
+              fmt::format("allow at least --memory {}MiB or use a smaller image", needed / kMiB + 1));
 }
 
 Manifest run_plan(const Plan& plan, const Registry& registry, const RunOptions& options, Reporter& reporter,

@@ -243,22 +243,22 @@ Reference::Nearest Reference::nearest(Vec3 point, double radius, Vec3 facing) co
   return best;
 }
 
+// The height over the plane decides most without the distance.
+bool Reference::is_near(Index triangle, Vec3 point, double squared_radius) const {
+  const double height = dot(point - points[triangles[triangle].corner[0]], normals[triangle]);
+  return height * height <= squared_radius * (1 + 1e-12) &&
+         squared_distance(point, corners(triangle)) <= squared_radius;
+}
+
 bool Reference::has_within(Vec3 point, double radius) const {
-  const double limit = radius * radius;
-  return !visit_cells(cells_around(point, radius), [&](Index t) {
-    const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
-    return height * height > limit * (1 + 1e-12) || squared_distance(point, corners(t)) > limit;
-  });
+  return !visit_cells(cells_around(point, radius),
+                      [&](Index t) { return !is_near(t, point, radius * radius); });
 }
 
 void Reference::within(Vec3 point, double radius, std::vector<Index>& found) const {
   found.clear();
-  const double limit = radius * radius;
   visit_cells(cells_around(point, radius), [&](Index t) {
-    const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
-    if (height * height <= limit * (1 + 1e-12) && squared_distance(point, corners(t)) <= limit) {
-      found.push_back(t);
-    }
+    if (is_near(t, point, radius * radius)) found.push_back(t);
     return true;
   });
 }

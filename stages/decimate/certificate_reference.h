@@ -63,6 +63,7 @@ class Reference {
   void link();
   void build_blocks(const std::vector<std::uint64_t>& codes);
   CellRange cells_around(Vec3 point, double radius) const;
+  bool is_near(Index triangle, Vec3 point, double squared_radius) const;
   template <class Visit>
   bool visit_cells(const CellRange& range, Visit&& visit) const;
 

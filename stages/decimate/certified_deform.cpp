@@ -14,8 +14,8 @@ constexpr double kLeastStep = 0.1;    // tolerances; smaller ones are not worth 
 constexpr double kLeastFacing = 0.5;  // product of the normals below which it does not
 
 Vec3 barycentre(const CertifiedMesh& mesh, Index t) {
-  const auto& c = mesh.triangles[t].corner;
-  return (mesh.points[c[0]] + mesh.points[c[1]] + mesh.points[c[2]]) / 3;
+  const auto c = corners_now(mesh, t);
+  return (c[0] + c[1] + c[2]) / 3;
 }
 
 // The living triangles, numbered without gaps.

@@ -281,9 +281,7 @@ double mean_height(const CertifiedState& state, const Star& star) {
 }
 
 bool has_angle_under(const CertifiedState& state, Index t, double limit) {
-  const auto& c = state.mesh.triangles[t].corner;
-  return twice_largest_cosine({state.mesh.points[c[0]], state.mesh.points[c[1]], state.mesh.points[c[2]]}) >
-         2 * std::cos(limit);
+  return twice_largest_cosine(corners_now(state.mesh, t)) > 2 * std::cos(limit);
 }
 
 }  // namespace

@@ -11,8 +11,6 @@ namespace periost {
 struct SizeLimits {
   std::vector<float> longest_edge;  // of isosurface triangles, mm: longest edge near it; empty: no limit
   double grading = 0;               // largest ratio of the longest edges of two neighbours; 0: no limit
-
-  bool is_any() const { return !longest_edge.empty() || grading > 0; }
 };
 
 // The limits that the options ask, by the centroid of each triangle of the isosurface. The thickness at a
