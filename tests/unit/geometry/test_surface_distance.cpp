@@ -45,6 +45,10 @@ TEST(ClosestPoint, OnATriangleAgreesWithBruteForce) {
   // A triangle without area is a segment, or a point.
   EXPECT_EQ(closest_point_on_triangle({0, 1, 0}, {-1, 0, 0}, {1, 0, 0}, {0, 0, 0}), (Vec3{0, 0, 0}));
   EXPECT_EQ(closest_point_on_triangle({3, 1, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}), (Vec3{1, 0, 0}));
+  // Two corners in one place, whichever.
+  EXPECT_EQ(closest_point_on_triangle({2, 1, 0}, {1, 0, 0}, {1, 0, 0}, {5, 0, 0}), (Vec3{2, 0, 0}));
+  EXPECT_EQ(closest_point_on_triangle({2, 1, 0}, {1, 0, 0}, {5, 0, 0}, {1, 0, 0}), (Vec3{2, 0, 0}));
+  EXPECT_EQ(closest_point_on_triangle({2, 1, 0}, {5, 0, 0}, {1, 0, 0}, {1, 0, 0}), (Vec3{2, 0, 0}));
 }
 
 TEST(SpatialSearch, AgreesWithTryingEveryTriangle) {
