@@ -1,0 +1,307 @@
+#include "stages/improve/improve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <queue>
+
+#include "pipeline/base/error.h"
+#include "pipeline/geometry/measure_volume.h"
+#include "pipeline/geometry/tet_quality.h"
+#include "stages/improve/boundary_slide.h"
+#include "stages/improve/tet_cavity.h"
+#include "stages/improve/tet_removal.h"
+#include "stages/improve/tet_smoothing.h"
+#include "stages/improve/thin_split.h"
+
+namespace periost {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kFirstTarget = 25;  // degrees: rounds without new points, and sliding, go to here
+constexpr int kInsertionRounds = 2;
+constexpr int kSlidingRounds = 2;
+constexpr std::uint64_t kTriesPerTet = 30;  // then a round ends, whatever is left
+constexpr std::uint64_t kPollEvery = 256;
+
+enum Means : unsigned { kRemove = 1, kSmooth = 2, kInsert = 4, kSlide = 8 };
+
+// One queued tetrahedron; stale when its version is not that of the slot any more.
+struct Bad {
+  double quality;
+  Index tet;
+  std::uint32_t version;
+  // Worst first, then the lowest slot.
+  bool operator<(const Bad& other) const {
+    return quality != other.quality ? quality > other.quality : tet > other.tet;
+  }
+};
+
+class Improver {
+ public:
+  Improver(TetComplex& complex, BoundarySlide* slide, double max_growth, const Context& context)
+      : complex_(complex),
+        removal_(complex),
+        smoothing_(complex),
+        cavity_(complex),
+        slide_(slide),
+        context_(context),
+        most_(static_cast<std::size_t>(static_cast<double>(complex.live) * (1 + max_growth))) {}
+
+  // Works on all tetrahedra below the target, worst first, with the means given.
+  void round(double target, unsigned means) {
+    target_ = target;
+    for (Index t = 0; t < complex_.corners.size(); ++t) queue(t);
+    const std::uint64_t most_tries = kTriesPerTet * (queue_.size() + 1000);
+    for (std::uint64_t tries = 0; !queue_.empty() && tries < most_tries; ++tries) {
+      if (tries % kPollEvery == 0) context_.check_cancelled();
+      const Bad bad = queue_.top();
+      queue_.pop();
+      if (complex_.is_live(bad.tet) && complex_.version[bad.tet] == bad.version) attack(bad.tet, means);
+    }
+    queue_ = {};
+  }
+
+  std::size_t room() const { return most_ > complex_.live ? most_ - complex_.live : 0; }
+
+ private:
+  void queue(Index tet) {
+    if (complex_.is_live(tet) && complex_.quality[tet] < target_) {
+      queue_.push({complex_.quality[tet], tet, complex_.version[tet]});
+    }
+  }
+  void queue_all(const std::vector<Index>& tets) {
+    for (const Index tet : tets) queue(tet);
+  }
+
+  bool smooth(Index point) {
+    if (!smoothing_.smooth(point, target_)) return false;
+    queue_all(smoothing_.star());
+    return true;
+  }
+
+  void attack(Index tet, unsigned means) {
+    if ((means & kRemove) != 0 && removal_.remove_any(tet, room())) return queue_all(complex_.placed);
+    const Tetrahedron corners = complex_.corners[tet];
+    const std::uint32_t version = complex_.version[tet];
+    const auto has_changed = [&] { return complex_.version[tet] != version; };
+    if ((means & kSmooth) != 0) {
+      for (const Index point : corners) {
+        if (smooth(point) && complex_.quality[tet] >= target_) return;
+      }
+      if (has_changed()) return;
+    }
+    if ((means & kInsert) != 0 && cavity_.insert(tet, target_, room())) {
+      const std::vector<Index> placed = complex_.placed;
+      queue_all(placed);
+      smooth_around(placed);
+      return;
+    }
+    if ((means & kSlide) == 0 || slide_ == nullptr) return;
+    for (const Index point : corners) {
+      if (complex_.is_on_wall[point] == 0 || !slide_->slide(point, target_)) continue;
+      queue_all(slide_->star());
+      return;
+    }
+  }
+
+  void smooth_around(const std::vector<Index>& placed) {
+    points_.clear();
+    for (const Index tet : placed)
+      points_.insert(points_.end(), complex_.corners[tet].begin(), complex_.corners[tet].end());
+    std::sort(points_.begin(), points_.end());
+    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+    // The new point has the largest index.
+    for (std::size_t i = points_.size(); i-- > 0;) smooth(points_[i]);
+  }
+
+  TetComplex& complex_;
+  TetRemoval removal_;
+  TetSmoothing smoothing_;
+  TetCavity cavity_;
+  BoundarySlide* slide_;
+  const Context& context_;
+  std::size_t most_;
+  double target_ = 0;
+  std::priority_queue<Bad> queue_;
+  std::vector<Index> points_;
+};
+
+double sine_of(double degrees) {
+  return std::sin(Angle::deg(degrees).radians());
+}
+
+void check_volumes(const TetMesh& mesh) {
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const auto& [a, b, c, d] = mesh.tets[t];
+    if (six_volumes(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) > 0) continue;
+    const Vec3 centre = 0.25 * (mesh.points[a] + mesh.points[b] + mesh.points[c] + mesh.points[d]);
+    throw Error(ErrorKind::kQuality, "improve.inverted",
+                fmt::format("tetrahedron {} at ({:.2f}, {:.2f}, {:.2f}) mm does not have a positive volume",
+                            t, centre.x, centre.y, centre.z),
+                "only a valid mesh can be improved: look at the stage before");
+  }
+}
+
+// Largest distance that sliding may leave, in mm; 0: none is known, and nothing slides.
+double tolerance_of(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,
+                    const Context& context) {
+  if (options.boundary == BoundaryMotion::kFixed) return 0;
+  double voxel_mm = mesh.voxel_mm;
+  if (inputs.isosurface != nullptr && inputs.isosurface->surface.voxel_mm > 0) {
+    voxel_mm = inputs.isosurface->surface.voxel_mm;
+  }
+  if (options.tolerance.value > 0) {
+    if (options.tolerance.unit == Length::Unit::kVoxel && !(voxel_mm > 0)) {
+      throw Error(ErrorKind::kUsage, "improve.no_voxel",
+                  "the tolerance is given in voxels, but no image is behind the mesh",
+                  "give it as a length, such as 0.1 mm");
+    }
+    return options.tolerance.in_mm(voxel_mm);
+  }
+  const double asked = inputs.simplex_mesh != nullptr ? inputs.simplex_mesh->report.requested_distance_mm : 0;
+  if (!(asked > 0)) {
+    context.info(
+        "improve.boundary_fixed",
+        "the boundary stays fixed, since no decimator tells how far it may be moved; `tolerance` does");
+  }
+  return asked;
+}
+
+// The mesh that the complex holds now: used points in their order, live slots in theirs.
+TetMesh collect(const TetComplex& complex, const TetMesh& mesh) {
+  TetMesh result;
+  result.voxel_mm = mesh.voxel_mm;
+  result.boundary_preserved = mesh.boundary_preserved;
+  std::vector<Index> renumbered(complex.position.size(), kNoIndex);
+  for (Index p = 0; p < complex.position.size(); ++p) {
+    if (complex.tet_at[p] == kNoIndex) continue;
+    renumbered[p] = static_cast<Index>(result.points.size());
+    result.points.push_back(complex.position[p]);
+  }
+  for (Index t = 0; t < complex.corners.size(); ++t) {
+    if (!complex.is_live(t)) continue;
+    const auto& [a, b, c, d] = complex.corners[t];
+    result.tets.push_back({renumbered[a], renumbered[b], renumbered[c], renumbered[d]});
+    result.region.push_back(complex.region[t]);
+  }
+  for (const auto& [a, b, c] : mesh.boundary) {
+    result.boundary.push_back({renumbered[a], renumbered[b], renumbered[c]});
+  }
+  if (mesh.order() == 2) add_midside_nodes(result);
+  return result;
+}
+
+// The surface that the mesh was made from, with its points where they are now: the mesher keeps its used
+// points first and in order. Nothing where the boundary is not that surface.
+std::optional<SurfaceMesh> moved_surface(const SurfaceMesh& surface, const TetMesh& before,
+                                         const TetMesh& after) {
+  if (!before.boundary_preserved || surface.triangles.size() != before.boundary.size()) return std::nullopt;
+  std::vector<std::uint8_t> is_used(surface.points.size(), 0);
+  for (const Triangle& triangle : surface.triangles) {
+    for (const Index corner : triangle) is_used[corner] = 1;
+  }
+  SurfaceMesh moved = surface;
+  Index next = 0;
+  for (Index p = 0; p < surface.points.size(); ++p) {
+    if (is_used[p] == 0) continue;
+    if (next >= after.points.size() || before.points[next] != surface.points[p]) return std::nullopt;
+    moved.points[p] = after.points[next++];
+  }
+  return moved;
+}
+
+// Dihedral angles in degrees: smallest, the value that 1 % of tetrahedra have their smallest below, largest.
+struct Summary {
+  double least = 180, p01 = 180, greatest = 0;
+};
+
+Summary summary_of(const TetComplex& complex) {
+  Summary summary;
+  std::vector<double> smallest;
+  for (Index t = 0; t < complex.corners.size(); ++t) {
+    if (!complex.is_live(t)) continue;
+    TetCorners corners;
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = complex.position[complex.corners[t][k]];
+    const DihedralRange range = tet_dihedral_range(corners);
+    smallest.push_back(range.min_deg);
+    summary.greatest = std::max(summary.greatest, range.max_deg);
+  }
+  if (smallest.empty()) return summary;
+  const auto place = smallest.begin() + static_cast<std::ptrdiff_t>(smallest.size() / 100);
+  std::nth_element(smallest.begin(), place, smallest.end());
+  summary.p01 = *place;
+  summary.least = *std::min_element(smallest.begin(), place + 1);
+  return summary;
+}
+
+}  // namespace
+
+ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,
+                      const Context& context) {
+  const auto start = Clock::now();
+  check_volumes(mesh);
+  const double tolerance = tolerance_of(mesh, inputs, options, context);
+  TetComplex complex(mesh);
+  const std::size_t tets_before = complex.live;
+  const Summary before = summary_of(complex);
+
+  SurfaceMesh as_it_came;
+  std::optional<SlideReference> reference;
+  std::unique_ptr<BoundarySlide> slide;
+  if (tolerance > 0) {
+    if (inputs.isosurface != nullptr) {
+      reference.emplace(*inputs.isosurface);
+    } else {
+      as_it_came = boundary_surface(mesh);
+      reference.emplace(as_it_came, context);
+    }
+    slide = std::make_unique<BoundarySlide>(complex, mesh.boundary, *reference, tolerance);
+  }
+  Improver improver(complex, slide.get(), options.max_growth, context);
+  const double target = sine_of(options.target.degrees);
+  const double first = std::min(target, sine_of(kFirstTarget));
+  const auto report = [&](const char* what) {
+    const Summary now = summary_of(complex);
+    context.debug("improve.round",
+                  fmt::format("{}: {} tetrahedra, {:.2f} to {:.2f} deg, p01 {:.2f}, {:.2f} s", what,
+                              complex.live, now.least, now.greatest, now.p01,
+                              std::chrono::duration<double>(Clock::now() - start).count()));
+  };
+  improver.round(first, kRemove | kSmooth | kSlide);
+  report("removal and smoothing");
+  for (int i = 0; i < kInsertionRounds; ++i) {
+    improver.round(target, kRemove | kSmooth | kInsert);
+    report("with insertion");
+  }
+  for (int i = 0; i < kSlidingRounds && slide != nullptr; ++i) {
+    improver.round(first, kRemove | kSmooth | kInsert | kSlide);
+    report("with sliding");
+  }
+  if (options.split_thin) {
+    const std::size_t splits = split_thin_walls(complex, improver.room());
+    improver.round(target, kRemove | kSmooth);
+    context.info("improve.split", fmt::format("{} edges across thin walls were split", splits));
+  }
+
+  ImproveResult result;
+  result.mesh = collect(complex, mesh);
+  std::optional<SurfaceMesh> moved;
+  if (inputs.surface != nullptr) moved = moved_surface(*inputs.surface, mesh, result.mesh);
+  result.surface = moved ? std::move(*moved) : boundary_surface(result.mesh);
+  const Summary after = summary_of(complex);
+  context.info("improve.done",
+               fmt::format("{} tetrahedra became {}; dihedral angles {:.2f} to {:.2f} deg, before {:.2f} to "
+                           "{:.2f}; {} points slid on the boundary; {:.2f} s",
+                           tets_before, complex.live, after.least, after.greatest, before.least,
+                           before.greatest, slide != nullptr ? slide->moved_points() : 0,
+                           std::chrono::duration<double>(Clock::now() - start).count()));
+  return result;
+}
+
+}  // namespace periost
