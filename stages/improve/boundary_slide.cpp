@@ -7,18 +7,17 @@
 
 #include "pipeline/geometry/isosurface_query.h"
 #include "pipeline/geometry/predicates.h"
-#include "pipeline/geometry/triangle_quality.h"
 #include "stages/improve/tet_removal.h"
 
 namespace periost {
 namespace {
 
 constexpr double kLeastSlideGain = 0.01;  // of the smallest sine: a check is dear
-constexpr int kSlideHalvings = 3;
-constexpr double kLongestSlide = 2;       // tolerances
-constexpr double kLeastCosine = 0.9397;   // normals turn by 20 degrees at most
-constexpr double kLeastAngleDeg = 25;     // of surface triangles, unless they were worse
-constexpr double kJustWithin = 1 - 1e-6;  // of the tolerance, so that rounding stays inside it
+constexpr int kSlideHalvings = 2;
+constexpr double kLongestSlide = 2;             // tolerances
+constexpr double kLeastCosine = 0.9397;         // normals turn by 20 degrees at most
+constexpr double kCosineOfLeastAngle = 0.9063;  // 25 degrees, of surface triangles, unless they were worse
+constexpr double kJustWithin = 1 - 1e-6;        // of the tolerance, so that rounding stays inside it
 constexpr int kDeepestPatch = 7;
 
 struct Patch {
@@ -32,14 +31,21 @@ Vec3 centre(const Patch& patch) {
   return (patch.a + patch.b + patch.c) / 3;
 }
 
-// Largest distance of the patch to one triangle: at a corner, since that distance is convex.
-double farthest_corner(const Patch& patch, const std::array<Vec3, 3>& facet) {
-  double squared = 0;
-  for (const Vec3 corner : {patch.a, patch.b, patch.c}) {
-    squared = std::max(
-        squared, squared_norm(corner - closest_point_on_triangle(corner, facet[0], facet[1], facet[2])));
-  }
-  return std::sqrt(squared);
+// All of the patch lies within `limit` of one triangle: its corners do, since that distance is convex.
+bool is_covered(const Patch& patch, const std::array<Vec3, 3>& facet, double limit) {
+  const auto is_near = [&](Vec3 corner) {
+    return squared_norm(corner - closest_point_on_triangle(corner, facet[0], facet[1], facet[2])) <=
+           limit * limit;
+  };
+  return is_near(patch.a) && is_near(patch.b) && is_near(patch.c);
+}
+
+// Cosine of the smallest angle of a triangle.
+double largest_cosine(const std::array<Vec3, 3>& corners) {
+  double squares[3];
+  for (std::size_t k = 0; k < 3; ++k) squares[k] = squared_norm(corners[(k + 2) % 3] - corners[(k + 1) % 3]);
+  std::sort(squares, squares + 3);
+  return (squares[1] + squares[2] - squares[0]) / (2 * std::sqrt(squares[1] * squares[2]));
 }
 
 template <class Body>
@@ -58,15 +64,18 @@ double radius_about(Vec3 middle, const Patch& patch) {
 // allowed. `facet`: a triangle of the reference that may be near. `offender` becomes where it is too far.
 bool is_within(const Patch& patch, const SlideReference& reference, double limit,
                const std::array<Vec3, 3>& facet, int depth, Vec3& offender) {
-  if (farthest_corner(patch, facet) <= limit) return true;
+  if (is_covered(patch, facet, limit)) return true;
   const Vec3 middle = centre(patch);
-  const std::optional<SlideReference::Hit> hit = reference.closest(middle, limit);
+  // A triangle known to be near makes the search for the nearest one short.
+  const double known = distance(middle, closest_point_on_triangle(middle, facet[0], facet[1], facet[2]));
+  const std::optional<SlideReference::Hit> hit =
+      reference.closest(middle, std::min(limit, known * (1 + 1e-12)));
   if (!hit || depth == kDeepestPatch) {
     offender = middle;
     return false;
   }
   if (hit->distance + radius_about(middle, patch) <= limit) return true;
-  if (farthest_corner(patch, hit->facet) <= limit) return true;
+  if (is_covered(patch, hit->facet, limit)) return true;
   return all_quarters(patch, [&](const Patch& part) {
     return is_within(part, reference, limit, hit->facet, depth + 1, offender);
   });
@@ -76,13 +85,12 @@ bool is_within(const Patch& patch, const SlideReference& reference, double limit
 // `after` that may be near.
 bool stays_within(const Patch& patch, const SpatialSearch& before, const SpatialSearch& after, double limit,
                   const std::array<Vec3, 3>& facet, int depth) {
-  if (farthest_corner(patch, facet) <= limit) return true;
+  if (is_covered(patch, facet, limit)) return true;
   const Vec3 middle = centre(patch);
   const SpatialSearch::Hit hit = after.closest(middle);
   const std::array<Vec3, 3>& nearest = after.corners(hit.slot);
   const double radius = radius_about(middle, patch);
-  if (std::sqrt(hit.squared_distance) + radius <= limit || farthest_corner(patch, nearest) <= limit)
-    return true;
+  if (std::sqrt(hit.squared_distance) + radius <= limit || is_covered(patch, nearest, limit)) return true;
   if (std::sqrt(before.closest(middle).squared_distance) > limit + radius) return true;
   if (depth == kDeepestPatch) return false;
   return all_quarters(
@@ -115,18 +123,45 @@ SlideReference::SlideReference(const Isosurface& isosurface)
     : isosurface_(&isosurface), surface_(isosurface.surface) {}
 
 SlideReference::SlideReference(const SurfaceMesh& surface, const Context& context)
-    : surface_(surface), search_(std::in_place, surface, context) {}
+    : surface_(surface),
+      search_(std::in_place, surface, context),
+      grid_(std::in_place, surface.points, surface.triangles) {}
 
 std::optional<SlideReference::Hit> SlideReference::closest(Vec3 p, double within) const {
   if (search_) {
     const SpatialSearch::Hit hit = search_->closest(p);
     if (hit.squared_distance > within * within) return std::nullopt;
-    return Hit{std::sqrt(hit.squared_distance), search_->corners(hit.slot)};
+    return Hit{std::sqrt(hit.squared_distance), hit.point, search_->corners(hit.slot)};
   }
   const std::optional<IsosurfacePoint> hit = closest_point(*isosurface_, p, within);
   if (!hit) return std::nullopt;
   const auto& [a, b, c] = surface_.triangles[hit->triangle];
-  return Hit{hit->distance, {surface_.points[a], surface_.points[b], surface_.points[c]}};
+  return Hit{hit->distance, hit->point, {surface_.points[a], surface_.points[b], surface_.points[c]}};
+}
+
+void SlideReference::near(const ImproveBox& box, std::vector<Index>& triangles) const {
+  if (grid_) return grid_->find(box, triangles);
+  triangles.clear();
+  ImproveBox cells;  // in the grid's indices; the box may be oblique to it
+  for (int corner = 0; corner < 8; ++corner) {
+    cells.take(
+        isosurface_->frame.to_index({corner & 1 ? box.low.x : box.high.x, corner & 2 ? box.low.y : box.high.y,
+                                     corner & 4 ? box.low.z : box.high.z}));
+  }
+  std::int32_t low[3], high[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int32_t dims = isosurface_->frame.dims[a];
+    low[a] = static_cast<std::int32_t>(std::clamp(std::floor(cells.low[a]), -1.0, 1.0 * dims));
+    high[a] = static_cast<std::int32_t>(std::clamp(std::floor(cells.high[a]), -2.0, dims - 1.0));
+  }
+  for (std::int32_t k = low[2]; k <= high[2]; ++k) {
+    for (std::int32_t j = low[1]; j <= high[1]; ++j) {
+      for (std::int32_t i = low[0]; i <= high[0]; ++i) {
+        const TriangleRange range = isosurface_->triangles_of_cell(i, j, k);
+        for (Index t = range.begin; t < range.end; ++t) triangles.push_back(t);
+      }
+    }
+  }
 }
 
 BoundarySlide::BoundarySlide(TetComplex& complex, const std::vector<Triangle>& boundary,
@@ -137,7 +172,6 @@ BoundarySlide::BoundarySlide(TetComplex& complex, const std::vector<Triangle>& b
       tolerance_(tolerance_mm * kJustWithin),
       first_place_(complex.position),
       boundary_grid_(complex.position, boundary),
-      reference_grid_(reference.surface().points, reference.surface().triangles),
       failed_(complex.position.size(), 0) {
   const auto& p = complex.position;
   first_.assign(p.size() + 1, 0);
@@ -172,8 +206,8 @@ bool BoundarySlide::keeps_shape(Index point, Vec3 place) const {
     }
     const Vec3 normal = normalized(cross(then[1] - then[0], then[2] - then[0]));
     if (dot(normal, first_normal_[*t]) < kLeastCosine) return false;
-    const double angle = triangle_min_angle_deg(then[0], then[1], then[2]);
-    if (angle < kLeastAngleDeg && angle < triangle_min_angle_deg(now[0], now[1], now[2])) return false;
+    const double cosine = largest_cosine(then);
+    if (cosine > kCosineOfLeastAngle && cosine > largest_cosine(now)) return false;
   }
   return true;
 }
@@ -221,21 +255,29 @@ void BoundarySlide::gather_reference(Index point) {
   const SpatialSearch rest(local_surface(others), Context{});
   ImproveBox box = star_box(point);
   box.widen(tolerance_);
-  reference_grid_.find(box, near_reference_);
+  reference_.near(box, near_reference_);
   depending_.clear();
   nearest_.clear();
+  double radius = 0;
+  for (const Index t : at_point) {
+    for (const Index corner : boundary_[t]) {
+      radius = std::max(radius, distance(complex_.position[corner], complex_.position[point]));
+    }
+  }
   const SurfaceMesh& surface = reference_.surface();
+  SpatialSearch::Hit hit, other;
   for (const Index t : near_reference_) {
-    if (!do_boxes_meet(box_around(surface.points, surface.triangles[t]), box)) continue;
     const auto& [a, b, c] = surface.triangles[t];
     const Patch patch{surface.points[a], surface.points[b], surface.points[c]};
     const Vec3 middle = centre(patch);
-    const double reach = tolerance_ + radius_about(middle, patch);
-    const SpatialSearch::Hit hit = before_->closest(middle);
+    const double reach = tolerance_ + radius_about(middle, patch), far = radius + reach;
+    if (squared_norm(middle - complex_.position[point]) > far * far) continue;
+    // The triangle that was near to the one before is often near to this one, too.
+    if (other.slot != kNoIndex && is_covered(patch, rest.corners(other.slot), tolerance_)) continue;
+    hit = before_->closest(middle, hit.slot);
     if (hit.squared_distance > reach * reach) continue;
-    if (!rest.is_empty() && farthest_corner(patch, rest.corners(rest.closest(middle).slot)) <= tolerance_) {
-      continue;
-    }
+    if (!rest.is_empty()) other = rest.closest(middle, other.slot);
+    if (!rest.is_empty() && is_covered(patch, rest.corners(other.slot), tolerance_)) continue;
     depending_.push_back(t);
     nearest_.push_back(hit.triangle);
   }
@@ -274,6 +316,13 @@ bool BoundarySlide::keeps_distance(Index point, Vec3 place) {
     const Vec3 q = offender_[0] * patch.a + offender_[1] * patch.b + offender_[2] * patch.c;
     if (!reference_.closest(q, tolerance_)) return false;
   }
+  for (const Triangle& triangle : moved.triangles) {
+    if (!all_quarters(patch_of(moved, triangle), [&](const Patch& part) {
+          return reference_.closest(centre(part), tolerance_).has_value();
+        })) {
+      return false;
+    }
+  }
   for (std::size_t t = 0; t < moved.triangles.size(); ++t) {
     const Patch patch = patch_of(moved, moved.triangles[t]);
     Vec3 offender;
@@ -303,8 +352,9 @@ bool BoundarySlide::move_towards(Index point, Vec3 goal, double sine) {
   double share = std::min(1.0, kLongestSlide * tolerance_ / std::max(distance(from, goal), 1e-300));
   for (int halving = 0; halving <= kSlideHalvings; ++halving, share *= 0.5) {
     const Vec3 place = from + share * (goal - from);
+    // Cheap tests first; that triangles meet is the rarest.
     if (smallest_sine(fans_, place, floor) <= floor || !keeps_shape(point, place) ||
-        !keeps_apart(point, place) || !keeps_distance(point, place)) {
+        !keeps_distance(point, place) || !keeps_apart(point, place)) {
       continue;
     }
     complex_.move(point, place, star_);
@@ -341,7 +391,13 @@ bool BoundarySlide::slide(Index point, double target) {
   Vec3 normal;
   for (const Index* t = begin_of(point); t != end_of(point); ++t) normal += first_normal_[*t];
   reached = before;
-  if (move_towards(point, climb(fans_, from, target, reached, normalized(normal)), before)) return true;
+  Vec3 along = climb(fans_, from, target, reached, normalized(normal));
+  // Back to the distance from the reference that the point had.
+  const double within = distance(from, along) + 2 * tolerance_;
+  const std::optional<SlideReference::Hit> then = reference_.closest(from, within);
+  const std::optional<SlideReference::Hit> now = reference_.closest(along, within);
+  if (then && now) along += (now->point - along) - (then->point - from);
+  if (move_towards(point, along, before)) return true;
   failed_[point] = state;
   return false;
 }

@@ -17,23 +17,26 @@ namespace periost {
 // The surface that a sliding boundary keeps its distance from, as it is asked for closest points.
 class SlideReference {
  public:
-  // Exactly one is given; it must live on. An isosurface is searched through its voxels, which needs no
-  // preparation.
+  // What is given must live on. An isosurface is searched through its voxels, which needs no preparation.
   explicit SlideReference(const Isosurface& isosurface);
   SlideReference(const SurfaceMesh& surface, const Context& context);
 
   struct Hit {
     double distance = 0;
+    Vec3 point;
     std::array<Vec3, 3> facet;  // the triangle that holds the closest point
   };
   // The closest point, or nothing where it is farther than `within`.
   std::optional<Hit> closest(Vec3 p, double within) const;
+  // All triangles that meet the box, and others near.
+  void near(const ImproveBox& box, std::vector<Index>& triangles) const;
   const SurfaceMesh& surface() const { return surface_; }
 
  private:
   const Isosurface* isosurface_ = nullptr;
   const SurfaceMesh& surface_;
   std::optional<SpatialSearch> search_;
+  std::optional<TriangleGrid> grid_;
 };
 
 class BoundarySlide {
@@ -72,7 +75,7 @@ class BoundarySlide {
   std::vector<Vec3> first_normal_;       // per boundary triangle, unit
   std::vector<Vec3> first_place_;        // of points, as they came
   double farthest_ = 0;                  // longest way of any point
-  TriangleGrid boundary_grid_, reference_grid_;
+  TriangleGrid boundary_grid_;
   std::vector<Index> star_;
   std::vector<TetFan> fans_;
   // Around the point at work, gathered when first needed: boundary triangles nearby, and the triangles of the

@@ -24,10 +24,16 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kFirstTarget = 25;  // degrees: rounds without new points, and sliding, go to here
-constexpr int kInsertionRounds = 2;
-constexpr int kSlidingRounds = 2;
+constexpr double kSlideBelow = 22;   // degrees: a check of the distance is dear, so only the worst slide
+// Least rise of the smallest sine for each tetrahedron that a new point brings, first and later.
+constexpr double kFirstPrice = 0.006;
+constexpr double kLaterPrice = 0.004;
 constexpr std::uint64_t kTriesPerTet = 30;  // then a round ends, whatever is left
 constexpr std::uint64_t kPollEvery = 256;
+
+double sine_of(double degrees) {
+  return std::sin(Angle::deg(degrees).radians());
+}
 
 enum Means : unsigned { kRemove = 1, kSmooth = 2, kInsert = 4, kSlide = 8 };
 
@@ -54,8 +60,10 @@ class Improver {
         most_(static_cast<std::size_t>(static_cast<double>(complex.live) * (1 + max_growth))) {}
 
   // Works on all tetrahedra below the target, worst first, with the means given.
-  void round(double target, unsigned means) {
+  // `price`: by how much the smallest sine must rise for each tetrahedron that a new point brings.
+  void round(double target, unsigned means, double price = 0) {
     target_ = target;
+    price_ = price;
     for (Index t = 0; t < complex_.corners.size(); ++t) queue(t);
     const std::uint64_t most_tries = kTriesPerTet * (queue_.size() + 1000);
     for (std::uint64_t tries = 0; !queue_.empty() && tries < most_tries; ++tries) {
@@ -96,13 +104,13 @@ class Improver {
       }
       if (has_changed()) return;
     }
-    if ((means & kInsert) != 0 && cavity_.insert(tet, target_, room())) {
+    if ((means & kInsert) != 0 && cavity_.insert(tet, target_, room(), price_)) {
       const std::vector<Index> placed = complex_.placed;
       queue_all(placed);
       smooth_around(placed);
       return;
     }
-    if ((means & kSlide) == 0 || slide_ == nullptr) return;
+    if ((means & kSlide) == 0 || slide_ == nullptr || complex_.quality[tet] >= sine_of(kSlideBelow)) return;
     for (const Index point : corners) {
       if (complex_.is_on_wall[point] == 0 || !slide_->slide(point, target_)) continue;
       queue_all(slide_->star());
@@ -127,14 +135,10 @@ class Improver {
   BoundarySlide* slide_;
   const Context& context_;
   std::size_t most_;
-  double target_ = 0;
+  double target_ = 0, price_ = 0;
   std::priority_queue<Bad> queue_;
   std::vector<Index> points_;
 };
-
-double sine_of(double degrees) {
-  return std::sin(Angle::deg(degrees).radians());
-}
 
 void check_volumes(const TetMesh& mesh) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -267,22 +271,17 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   const double target = sine_of(options.target.degrees);
   const double first = std::min(target, sine_of(kFirstTarget));
   const auto report = [&](const char* what) {
-    const Summary now = summary_of(complex);
-    context.debug("improve.round",
-                  fmt::format("{}: {} tetrahedra, {:.2f} to {:.2f} deg, p01 {:.2f}, {:.2f} s", what,
-                              complex.live, now.least, now.greatest, now.p01,
-                              std::chrono::duration<double>(Clock::now() - start).count()));
+    context.debug("improve.round", fmt::format("{}: {} tetrahedra, {:.2f} s", what, complex.live,
+                                               std::chrono::duration<double>(Clock::now() - start).count()));
   };
   improver.round(first, kRemove | kSmooth | kSlide);
-  report("removal and smoothing");
-  for (int i = 0; i < kInsertionRounds; ++i) {
-    improver.round(target, kRemove | kSmooth | kInsert);
-    report("with insertion");
-  }
-  for (int i = 0; i < kSlidingRounds && slide != nullptr; ++i) {
-    improver.round(first, kRemove | kSmooth | kInsert | kSlide);
-    report("with sliding");
-  }
+  report("without new points");
+  improver.round(target, kRemove | kSmooth | kInsert, kFirstPrice);
+  report("with insertion");
+  improver.round(first, kRemove | kSmooth | kInsert | kSlide);
+  report("with all means");
+  improver.round(target, kRemove | kSmooth | kInsert, kLaterPrice);
+  report("with insertion");
   if (options.split_thin) {
     const std::size_t splits = split_thin_walls(complex, improver.room());
     improver.round(target, kRemove | kSmooth);
@@ -295,12 +294,14 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   if (inputs.surface != nullptr) moved = moved_surface(*inputs.surface, mesh, result.mesh);
   result.surface = moved ? std::move(*moved) : boundary_surface(result.mesh);
   const Summary after = summary_of(complex);
-  context.info("improve.done",
-               fmt::format("{} tetrahedra became {}; dihedral angles {:.2f} to {:.2f} deg, before {:.2f} to "
-                           "{:.2f}; {} points slid on the boundary; {:.2f} s",
-                           tets_before, complex.live, after.least, after.greatest, before.least,
-                           before.greatest, slide != nullptr ? slide->moved_points() : 0,
-                           std::chrono::duration<double>(Clock::now() - start).count()));
+  context.info(
+      "improve.done",
+      fmt::format(
+          "{} tetrahedra became {}; smallest dihedral angle {:.2f} deg (was {:.2f}), 1 % have one below "
+          "{:.2f} ({:.2f}), largest {:.2f} ({:.2f}); {} points slid on the boundary; {:.2f} s",
+          tets_before, complex.live, after.least, before.least, after.p01, before.p01, after.greatest,
+          before.greatest, slide != nullptr ? slide->moved_points() : 0,
+          std::chrono::duration<double>(Clock::now() - start).count()));
   return result;
 }
 

@@ -2,10 +2,10 @@
 // Raises the dihedral angles of a tetrahedral mesh. TetGen leaves slivers: tetrahedra of good edges that are
 // nearly flat. Worst first, a tetrahedron below the target is attacked by taking out its edges and faces
 // (tet_removal.h), by moving its points inside the body (tet_smoothing.h), by putting a new point into a
-// cavity around it (tet_cavity.h), and at last, if that is allowed, by sliding its points on the boundary
+// cavity around it (tet_cavity.h), and, if that is allowed, by sliding its points on the boundary
 // (boundary_slide.h). The measure is the smallest sine of the six dihedral angles (sine_quality.h), so angles
-// near 0 and near 180 degrees are worked on alike, and no step is taken unless the smallest sine of all
-// tetrahedra concerned rises: the worst element never gets worse.
+// near 0 and near 180 degrees are worked on alike; needles count as bad, too. No step is taken unless the
+// measure of the worst tetrahedron concerned rises: the worst of the mesh never gets worse.
 // After Klingner and Shewchuk, Aggressive tetrahedral mesh improvement (2007).
 #include "pipeline/base/context.h"
 #include "pipeline/base/quantity.h"
@@ -43,10 +43,10 @@ struct ImproveResult {
 
 // The improved mesh, and the surface that bounds it now.
 //
-// Mesh: tetrahedra of positive volume; the smallest sine is not below the input's; points on the boundary and
-// boundary triangles keep their order (points inside may vanish, new ones come last); each tetrahedron keeps
-// to one region, and faces between regions stay as they are. A second-order mesh is improved by its corners
-// and gets new mid-side nodes on straight edges. Fields are dropped: their elements exist no more.
+// Mesh: tetrahedra of positive volume; the smallest measure is not below the input's; points on the boundary
+// and boundary triangles keep their order (points inside may vanish, new ones come last); each tetrahedron
+// keeps to one region, and faces between regions stay as they are. A second-order mesh is improved by its
+// corners and gets new mid-side nodes on straight edges. Fields are dropped: their elements exist no more.
 //
 // Surface: `inputs.surface` with its moved points where the mesh's boundary is that surface, triangle by
 // triangle; else the boundary of the mesh. With kFixed nothing of it moves, to the last bit. With kSlide, for
@@ -57,8 +57,9 @@ struct ImproveResult {
 // Without a tolerance (neither given nor known from a decimator) the boundary stays fixed, and the log says
 // so.
 //
-// A function of its arguments alone, the same bits for any number of threads. Linear in practice: about 8
-// microseconds a tetrahedron that TetGen leaves. Memory: about 200 bytes a tetrahedron.
+// A function of its arguments alone, the same bits for any number of threads (one is used). Linear in
+// practice: some 10 microseconds a tetrahedron that TetGen leaves, and a millisecond a point that slides.
+// Memory: about 200 bytes a tetrahedron.
 // Errors: {kQuality, "improve.inverted"} with the place, for a tetrahedron without positive volume;
 // {kUsage, "improve.no_voxel"} for a tolerance in voxels without an image behind it; {kInterrupted}.
 ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,

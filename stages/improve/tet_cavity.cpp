@@ -102,11 +102,13 @@ bool TetCavity::try_place(Vec3 place, const std::vector<Index>& seed, double bad
     if (best_.sine <= last * kBetter) break;
   }
   if (best_.sine <= best_.before * kBetter + kLeastGain) return false;
-  if (best_.faces.size() > best_.tets.size() + room) return false;
+  const double growth = static_cast<double>(best_.faces.size()) - static_cast<double>(best_.tets.size());
+  if (growth > static_cast<double>(room) || best_.sine < best_.before + price_ * growth) return false;
   return commit(best_, best_place);
 }
 
-bool TetCavity::insert(Index tet, double target, std::size_t room) {
+bool TetCavity::insert(Index tet, double target, std::size_t room, double price) {
+  price_ = price;
   const Tetrahedron c = complex_.corners[tet];
   const double bad = complex_.quality[tet];
   const auto place = [&](int i) { return complex_.position[c[as_size(i)]]; };

@@ -16,8 +16,9 @@ class TetCavity {
   // not on a wall, up to 60 tetrahedra, and is cut back to where it was best; then the point climbs
   // (sine_quality.h) and the cavity is grown anew, up to three times. The first that is better than what it
   // replaces by 2 % is made; the new slots are in complex.placed, its point is last in complex.position.
-  // `room`: by how many tetrahedra the mesh may grow.
-  bool insert(Index tet, double target, std::size_t room);
+  // `room`: by how many tetrahedra the mesh may grow; `price`: by how much the smallest sine must rise for
+  // each tetrahedron more.
+  bool insert(Index tet, double target, std::size_t room, double price);
 
  private:
   // A face of the cavity: the tetrahedron inside and what lies beyond.
@@ -42,6 +43,7 @@ class TetCavity {
   bool commit(const Cavity& cavity, Vec3 place);
 
   TetComplex& complex_;
+  double price_ = 0;
   Cavity growing_, best_, other_;
   std::vector<Index> seed_, points_;
   std::vector<TetFan> fans_;

@@ -147,7 +147,7 @@ TEST(TetOperations, KeepTheMeshValidAndRaiseTheWorst) {
         ++removed;
       } else if (smoothing.smooth(corners[0], 0.6) || smoothing.smooth(corners[1], 0.6)) {
         ++smoothed;
-      } else if (cavity.insert(t, 0.6, kAnyRoom)) {
+      } else if (cavity.insert(t, 0.6, kAnyRoom, 0)) {
         ++inserted;
       } else {
         has_changed = false;
@@ -171,7 +171,8 @@ TEST(TetOperations, NoRoomNoGrowth) {
   TetRemoval removal(complex);
   TetCavity cavity(complex);
   for (Index t = 0; t < mesh.tets.size(); ++t) {
-    if (complex.is_live(t) && complex.quality[t] < 0.5 && !removal.remove_any(t, 0)) cavity.insert(t, 0.6, 0);
+    if (complex.is_live(t) && complex.quality[t] < 0.5 && !removal.remove_any(t, 0))
+      cavity.insert(t, 0.6, 0, 0);
     ASSERT_LE(complex.live, mesh.tets.size());
   }
 }
