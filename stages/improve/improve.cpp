@@ -23,8 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kFirstTarget = 25;  // degrees: rounds without new points, and sliding, go to here
-constexpr double kSlideBelow = 22;   // degrees: a check of the distance is dear, so only the worst slide
+// Degrees: rounds without new points go to here, and so does sliding, whose checks are dear.
+constexpr double kFirstTarget = 26;
 // Least rise of the smallest sine for each tetrahedron that a new point brings, first and later.
 constexpr double kFirstPrice = 0.006;
 constexpr double kLaterPrice = 0.004;
@@ -110,7 +110,7 @@ class Improver {
       smooth_around(placed);
       return;
     }
-    if ((means & kSlide) == 0 || slide_ == nullptr || complex_.quality[tet] >= sine_of(kSlideBelow)) return;
+    if ((means & kSlide) == 0 || slide_ == nullptr) return;
     for (const Index point : corners) {
       if (complex_.is_on_wall[point] == 0 || !slide_->slide(point, target_)) continue;
       queue_all(slide_->star());
