@@ -13,20 +13,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "stages/decimate/certificate_ring.h"
 #include "stages/decimate/certified_mesh.h"
 
 namespace periost {
 
-struct ReverseProof {
-  Index home = kNoIndex;  // kNoIndex: dropped on request, proved by nothing
-  std::array<Index, 3> label{kNoIndex, kNoIndex, kNoIndex};
-};
-
-// Proofs of all isosurface triangles, and the lists of those homed at each output triangle.
+// Proofs of all isosurface triangles, and two lists of those homed at each output triangle: those that need
+// nothing but the home, and those with labels, which moves beside the home may hurt.
 struct ReverseProofs {
   std::vector<ReverseProof> proof;  // of isosurface triangles
-  std::vector<Index> next;          // of isosurface triangles: the next one with the same home
-  std::vector<Index> first;         // of output triangles: the first isosurface triangle homed there
+  std::vector<Index> next;          // of isosurface triangles: the next one in the same list
+  std::vector<Index> first;         // of output triangles: of the list without labels
+  std::vector<Index> first_labelled;
+
+  // Calls visit(s) for each isosurface triangle homed at output triangle t.
+  template <class Visit>
+  void for_homed(Index t, Visit&& visit) const {
+    for (Index s = first[t]; s != kNoIndex; s = next[s]) visit(s);
+    for (Index s = first_labelled[t]; s != kNoIndex; s = next[s]) visit(s);
+  }
 };
 
 // Each isosurface triangle is its own home.
@@ -44,20 +49,23 @@ struct ReverseScratch {
     Vec3 row1, row2, normal;               // d.row1 and d.row2 are barycentric coordinates 1 and 2
     std::array<double, 3> margin;          // barycentric coordinates at the tolerance outside each edge
   };
-  std::vector<Target> targets;  // triangles of the new ring first, then those around it; at most 64
-  std::size_t ring_size = 0;
+  std::vector<Target> targets;       // triangles of the new ring first, then those around it; at most 64
+  std::uint64_t made = 0;            // bit i: targets[i] is filled in
   std::vector<Index> renewed;        // isosurface triangles
   std::vector<ReverseProof> proofs;  // of `renewed`
-  std::vector<std::uint64_t> mask;   // of isosurface vertices: targets within the tolerance
-  std::vector<std::uint32_t> stamp;  // of isosurface vertices: even, ring known; odd, all known
+  // Of isosurface vertices, where the stamp is the tick: the targets whose distance is known, and those that
+  // are within the tolerance.
+  std::vector<std::uint64_t> known, mask;
+  std::vector<std::uint32_t> stamp;
   std::uint32_t tick = 0;
 };
 
-// `around`: the triangles that share a vertex with the ring but are not in it. Nothing is changed but the
-// scratch. Sound, not complete. `tolerance` in mm.
+// `around`: the triangles that share a vertex with the ring but are not in it. `ring`: what the overlay
+// proved of this proposal within the tolerance, null when nothing. Nothing is changed but the scratch. Sound,
+// not complete. `tolerance` in mm.
 bool certify_reverse(const Reference& reference, const CertifiedMesh& mesh, const ReverseProofs& proofs,
-                     const Proposal& proposal, const std::vector<Index>& around, double tolerance,
-                     ReverseScratch& scratch);
+                     const Proposal& proposal, const std::vector<Index>& around, const RingScratch* ring,
+                     double tolerance, ReverseScratch& scratch);
 
 // Stores what the last successful certify_reverse of this proposal proved.
 void commit_reverse(const Proposal& proposal, const ReverseScratch& scratch, ReverseProofs& proofs);

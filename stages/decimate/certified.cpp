@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
 constexpr double kNoticedStep = 0.1;   // tolerances
-constexpr int kSheetSide = 2;          // voxels
+constexpr int kSheetSide = 4;          // voxels
 constexpr int kStages = 6;             // removal stages by cost
 constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
 constexpr double kWorthwhile = 0.004;  // part of the triangles that a final round must remove to go on
@@ -128,7 +128,9 @@ class Schedule {
     for (int stage = 0; stage < kStages && removals_left() > 0; ++stage) {
       const double limit = median_removal_cost(state_);
       sweep(kTopologySlack, [limit](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        worker.is_thorough = false;
         removal_pass(state, worker, vertices, limit);
+        worker.is_thorough = true;
       });
       end_step("stage");
     }
@@ -159,10 +161,9 @@ class Schedule {
  private:
   // The steps of the law of motion, each within what is proved.
   void deform() {
-    std::vector<Vec3> previous;
+    Motion motion;
     for (int step = 0; step < options_.iterations; ++step) {
-      const auto places = deformed_places(state_, options_, previous, context_);
-      previous = state_.mesh.points;
+      const auto places = deformed_places(state_, options_, motion, context_);
       sweep(kTopologySlack, [&places](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         deformation_pass(state, worker, vertices, places);
       });
@@ -195,6 +196,7 @@ class Schedule {
 
   static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices) {
     removal_pass(state, worker, vertices, std::numeric_limits<double>::max());
+    if (worker.quota == 0) return;  // as few triangles as asked: no room is needed for more removals
     swap_pass(state, worker, vertices);
     relocation_pass(state, worker, vertices);
     fit_pass(state, worker, vertices);

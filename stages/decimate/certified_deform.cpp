@@ -9,7 +9,7 @@ namespace periost {
 namespace {
 
 constexpr std::size_t kBlock = 2048;
-constexpr double kReach = 4;          // tolerances within which the isosurface pulls
+constexpr double kReach = 1.5;        // tolerances within which the isosurface is looked for
 constexpr double kLeastStep = 0.1;    // tolerances; smaller ones are not worth a check
 constexpr double kLeastFacing = 0.5;  // product of the normals below which it does not
 
@@ -84,30 +84,29 @@ double mean_angle(const CertifiedMesh& mesh, const Living& living, const std::ve
   return sum / static_cast<double>(count);
 }
 
-// How far the isosurface lies along the normal; 0 when there is none near that faces the same way.
-double height_of_isosurface(const CertifiedState& state, const Sample& sample) {
-  const Vec3 n = sample.parameters.normal;
-  const Index near = state.reference.nearest(sample.place, kReach * state.tolerance, n).triangle;
+// How far the plane of the near isosurface triangle lies along the normal; 0 when there is none that faces
+// the same way.
+double height_of_isosurface(const CertifiedState& state, const Sample& sample, Index near) {
   if (near == kNoIndex) return 0;
-  const Vec3 facing = state.reference.normals[near];
+  const Vec3 n = sample.parameters.normal, facing = state.reference.normals[near];
   if (dot(n, facing) < kLeastFacing) return 0;
   return dot(state.reference.corners(near)[0] - sample.place, facing) / dot(n, facing);
 }
 
 Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const Living& living,
-              const std::vector<Sample>& samples, Index t, std::vector<Index>& found) {
+              const std::vector<Sample>& samples, Index t, Index near, std::vector<Index>& found) {
   const Sample& sample = samples[living.number[t]];
   const SimplexParameters& p = sample.parameters;
   const double angle = mean_angle(state.mesh, living, samples, t, options.rigidity, found);
   const double rise = height_at_angle(angle, p.power, p.circumradius) - p.height;
-  const double pull = options.stiffness * height_of_isosurface(state, sample);
+  const double pull = options.stiffness * height_of_isosurface(state, sample, near);
   return (sample.centroid - p.foot) * 0.5 + p.normal * (0.5 * rise + pull);
 }
 
 }  // namespace
 
-std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options,
-                                  const std::vector<Vec3>& previous, const Context& context) {
+std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options, Motion& motion,
+                                  const Context& context) {
   const CertifiedMesh& mesh = state.mesh;
   const Living living = living_triangles_of(mesh);
   const std::size_t count = living.triangle.size();
@@ -116,11 +115,19 @@ std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOpt
   parallel_blocks(context, count, kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) samples[i] = sample_of(mesh, living.triangle[i]);
   });
+  const bool is_first = motion.near.empty();
+  motion.near.resize(count, kNoIndex);
   parallel_blocks(context, count, kBlock, [&](std::size_t begin, std::size_t end) {
     std::vector<Index> found;
     for (std::size_t i = begin; i < end; ++i) {
-      if (samples[i].is_free)
-        forces[i] = force_on(state, options, living, samples, living.triangle[i], found);
+      const Sample& sample = samples[i];
+      if (!sample.is_free) continue;
+      Index& near = motion.near[i];
+      if (is_first) {
+        const double reach = kReach * state.tolerance;
+        near = state.reference.nearest(sample.place, reach, sample.parameters.normal).triangle;
+      }
+      forces[i] = force_on(state, options, living, samples, living.triangle[i], near, found);
     }
   });
   std::vector<Vec3> places = mesh.points;
@@ -131,9 +138,10 @@ std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOpt
       Vec3 sum;
       for (const Index t : star.triangle) sum += forces[living.number[t]];
       places[v] += sum / static_cast<double>(star.triangle.size());
-      if (!previous.empty()) places[v] += (mesh.points[v] - previous[v]) * (1 - options.damping);
+      if (!is_first) places[v] += (mesh.points[v] - motion.previous[v]) * (1 - options.damping);
     }
   });
+  motion.previous = mesh.points;
   return places;
 }
 

@@ -10,11 +10,18 @@
 
 namespace periost {
 
+// What one step leaves to the next; empty before the first.
+struct Motion {
+  std::vector<Vec3> previous;  // of dual vertices: the places before the last step, for the inertia
+  std::vector<Index>
+      near;  // of triangles: the isosurface triangle whose plane pulls, found in the first step
+};
+
 // Where one step of the law of motion would take each dual vertex, from where all of them are now; mm. Dead
-// ones keep their place. `previous`: places before the last step, for the inertia; empty for the first. Reads
-// the whole mesh and changes nothing. Deterministic for any number of threads. O(triangles * |Q^s|).
-std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options,
-                                  const std::vector<Vec3>& previous, const Context& context);
+// ones keep their place. Reads the whole mesh and changes nothing but `motion`. Precondition: since the first
+// step vertices have moved only. Deterministic for any number of threads. O(triangles * |Q^s|).
+std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options, Motion& motion,
+                                  const Context& context);
 
 // Moves the vertices to their places, or half the way; those that the checks refuse stay.
 void deformation_pass(CertifiedState& state, Worker& worker, const std::vector<Index>& vertices,

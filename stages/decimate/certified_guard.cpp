@@ -58,10 +58,23 @@ Vec3 normal_of(const std::array<Vec3, 3>& c) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]));
 }
 
+// Twice the cosine of the smallest angle, which faces the shortest edge, as a sum over the root of a product.
+struct CosineTerms {
+  double sum, product;
+};
+CosineTerms cosine_terms(const std::array<Vec3, 3>& c) {
+  const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
+  const double shortest = std::min({a, b, d});
+  return {a + b + d - 2 * shortest, shortest == a ? b * d : shortest == b ? a * d : a * b};
+}
+
 // How far the smallest angle falls short of the limit, measured by twice its cosine: in radians at 30
 // degrees.
 double angle_deficit(const std::array<Vec3, 3>& c, double twice_limit_cosine) {
-  return std::max(0.0, twice_largest_cosine(c) - twice_limit_cosine);
+  const auto [sum, product] = cosine_terms(c);
+  // Most have none: no root is needed to see that.
+  if (sum <= 0 || sum * sum <= twice_limit_cosine * twice_limit_cosine * product) return 0;
+  return std::max(0.0, (product > 0 ? sum / std::sqrt(product) : 2) - twice_limit_cosine);
 }
 
 // Sum over the half-edges of one triangle of the excess of |D| over the limit.
@@ -119,12 +132,9 @@ void collect_valence_neighbours(const CertifiedMesh& mesh, const Proposal& propo
 
 }  // namespace
 
-// The smallest angle faces the shortest edge.
 double twice_largest_cosine(const std::array<Vec3, 3>& c) {
-  const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
-  const double shortest = std::min({a, b, d});
-  const double product = shortest == a ? b * d : shortest == b ? a * d : a * b;
-  return product > 0 ? (a + b + d - 2 * shortest) / std::sqrt(product) : 2;
+  const auto [sum, product] = cosine_terms(c);
+  return product > 0 ? sum / std::sqrt(product) : 2;
 }
 
 double min_angle(const std::array<Vec3, 3>& triangle) {
@@ -157,12 +167,11 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
   FixedList<Index, 4 * kMaxStar> neighbours;
   collect_valence_neighbours(mesh, proposal, neighbours);
   int old_sum = 0, new_sum = 0;
-  for (const Index t : proposal.before) old_sum += topology_deficit(before, t, limits.topology);
   for (const Index t : proposal.after) new_sum += topology_deficit(after, t, limits.topology);
-  for (const Index t : neighbours) {
-    old_sum += topology_deficit(before, t, limits.topology);
-    new_sum += topology_deficit(after, t, limits.topology);
-  }
+  for (const Index t : neighbours) new_sum += topology_deficit(after, t, limits.topology);
+  if (new_sum == 0) return true;
+  for (const Index t : proposal.before) old_sum += topology_deficit(before, t, limits.topology);
+  for (const Index t : neighbours) old_sum += topology_deficit(before, t, limits.topology);
   return new_sum <= old_sum;
 }
 

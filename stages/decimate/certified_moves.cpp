@@ -55,9 +55,13 @@ bool locate(const CertifiedState& state, const Worker& worker, Proposal& proposa
   return proposal.place_nearest != kNoIndex;
 }
 
-bool is_forward_certified(const CertifiedState& state, Worker& worker) {
+// By the overlay of the whole ring; what that leaves open, triangle by triangle.
+bool is_forward_certified(const CertifiedState& state, Worker& worker, Answer ring) {
+  if (ring == Answer::kRefuted) return false;
   const Proposal& proposal = worker.proposal;
-  for (const LinkedTriangle& cell : proposal.cells) {
+  for (std::size_t j = 0; j < proposal.cells.size(); ++j) {
+    if (ring == Answer::kProved && (worker.ring.unproved >> j & 1u) == 0) continue;
+    const LinkedTriangle& cell = proposal.cells[j];
     DualTriangle triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corner[k] = proposal.point_of(state.mesh, cell.corner[k]);
@@ -72,14 +76,17 @@ bool is_forward_certified(const CertifiedState& state, Worker& worker) {
 Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles) {
   Proposal& proposal = worker.proposal;
   if (!locate(state, worker, proposal, facing)) return Refusal::kDistance;
+  state.sheets.approach(state.mesh, proposal, worker.sheets);
   if (!meets_sizes(state.sizes, state.mesh, proposal)) return Refusal::kSize;
   if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
   if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
-  if (!is_forward_certified(state, worker)) return Refusal::kDistance;
+  const Answer ring = certify_ring(state.reference, state.mesh, proposal, state.tolerance, worker.ring);
+  if (!is_forward_certified(state, worker, ring)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
       !certify_reverse(state.reference, state.mesh, state.proofs, proposal, worker.around,
-                       state.reverse_tolerance, worker.reverse)) {
+                       ring == Answer::kProved ? &worker.ring : nullptr, state.reverse_tolerance,
+                       worker.reverse)) {
     return Refusal::kReverse;
   }
   if (state.sheets.would_intersect(state.mesh, proposal, worker.around, worker.sheets)) {
@@ -151,6 +158,7 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
   const Vec3 place = worker.proposal.place;
   const double side = dot(place - rim_centroid(state.mesh, worker.proposal), normal) > 0 ? 1 : -1;
   for (const double height : kHeights) {
+    if (!worker.is_thorough) break;
     if (refusal != Refusal::kDistance && refusal != Refusal::kReverse) break;
     worker.proposal.place = place + normal * (side * height * state.tolerance);
     if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) continue;
@@ -192,7 +200,7 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
   Proposal& proposal = worker.proposal;
   if (!propose_removal(state.mesh, t, k, proposal)) return refuse(state, worker, Refusal::kLink, u);
-  const std::uint32_t signature = signature_of(state.mesh, proposal);
+  const std::uint32_t signature = signature_of(state.mesh, proposal) + (worker.is_thorough ? 1 : 0);
   const Index other = cell.across[k];
   const LinkedTriangle& twin = state.mesh.triangles[other];
   const std::size_t slot =

@@ -45,7 +45,9 @@ struct MoveCounts {
 struct Worker {
   GuardLimits limits;
   std::size_t quota = std::numeric_limits<std::size_t>::max();  // removals that passes may still make
+  bool is_thorough = true;                                      // removals are tried at several heights
   Proposal proposal;
+  RingScratch ring;
   ForwardScratch forward;
   ReverseScratch reverse;
   SheetScratch sheets;

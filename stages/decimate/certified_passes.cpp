@@ -270,12 +270,12 @@ double mean_height(const CertifiedState& state, const Star& star) {
     const auto& c = state.mesh.triangles[t].corner;
     const Vec3 a = state.mesh.points[c[0]];
     const Vec3 n = normalized(cross(state.mesh.points[c[1]] - a, state.mesh.points[c[2]] - a));
-    for (Index s = state.proofs.first[t]; s != kNoIndex; s = state.proofs.next[s]) {
+    state.proofs.for_homed(t, [&](Index s) {
       const auto p = state.reference.corners(s);
       const double area = norm(cross(p[1] - p[0], p[2] - p[0]));
       sum += area * dot((p[0] + p[1] + p[2]) / 3 - a, n);
       weight += area;
-    }
+    });
   }
   return weight > 0 ? sum / weight : 0;
 }

@@ -9,10 +9,12 @@ namespace periost {
 namespace {
 
 constexpr std::size_t kMostCells = std::size_t{1} << 22;
+constexpr double kBeyondCell = 1e-6;  // cells; boxes are taken larger by this
+constexpr std::uint32_t kByteTops = 0x808080;
 constexpr double kConeCosine = 0.5;  // normals within 60 degrees of their mean: the disk is a height field
 
-Vec3 normal_of(const std::array<Vec3, 3>& c) {
-  return normalized(cross(c[1] - c[0], c[2] - c[0]));
+Vec3 area_vector(const std::array<Vec3, 3>& c) {
+  return cross(c[1] - c[0], c[2] - c[0]);
 }
 
 // How many corners two triangles share; with exactly one, where it stands in each.
@@ -39,26 +41,40 @@ bool meet_beyond_corner(const std::array<Vec3, 3>& a, std::size_t i, const std::
 
 Box box_of(const std::array<Vec3, 3>& c) {
   Box box;
-  for (const Vec3& point : c) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      box.lo[axis] = std::min(box.lo[axis], point[axis]);
-      box.hi[axis] = std::max(box.hi[axis], point[axis]);
-    }
-  }
+  for (const Vec3& point : c) box.add(point);
   return box;
 }
 
-// Whether all normals of the ring and around it lie in one narrow cone.
+// Where x lies in a cell that begins at `cell`, in 127ths; rounded down or up.
+std::uint32_t part_below(double x, std::int32_t cell) {
+  return static_cast<std::uint32_t>(std::clamp((x - cell) * 127, 0.0, 127.0));
+}
+std::uint32_t part_above(double x, std::int32_t cell) {
+  return 127 - static_cast<std::uint32_t>(std::clamp((cell + 1 - x) * 127, 0.0, 127.0));
+}
+
+// Whether two boxes of bytes below 128 meet in all three axes.
+bool bytes_meet(std::uint32_t lo1, std::uint32_t hi1, std::uint32_t lo2, std::uint32_t hi2) {
+  return (((hi1 | kByteTops) - lo2) & ((hi2 | kByteTops) - lo1) & kByteTops) == kByteTops;
+}
+
+// Whether all normals of the ring and around it lie in one narrow cone about the ring's own.
 bool is_height_field(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around) {
-  Vec3 sum;
-  for (std::size_t i = 0; i < proposal.after.size(); ++i)
-    sum += normal_of(corners_after(mesh, proposal, proposal.cells[i]));
-  const double limit = kConeCosine * norm(sum);
-  for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    if (dot(sum, normal_of(corners_after(mesh, proposal, proposal.cells[i]))) <= limit) return false;
+  Vec3 axis;
+  for (const LinkedTriangle& cell : proposal.cells) {
+    axis += area_vector(corners_after(mesh, proposal, cell));
   }
-  return std::all_of(around.begin(), around.end(),
-                     [&](Index t) { return dot(sum, normal_of(corners_now(mesh, t))) > limit; });
+  const double limit = kConeCosine * kConeCosine * squared_norm(axis);
+  const auto is_inside = [&](Vec3 area) {
+    const double product = dot(axis, area);
+    return product > 0 && product * product > limit * squared_norm(area);
+  };
+  return std::all_of(proposal.cells.begin(), proposal.cells.end(),
+                     [&](const LinkedTriangle& cell) {
+                       return is_inside(area_vector(corners_after(mesh, proposal, cell)));
+                     }) &&
+         std::all_of(around.begin(), around.end(),
+                     [&](Index t) { return is_inside(area_vector(corners_now(mesh, t))); });
 }
 
 // New triangles against those that they share one corner with.
@@ -86,66 +102,105 @@ bool meets_neighbours(const CertifiedMesh& mesh, const Proposal& proposal, const
 }  // namespace
 
 SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels)
-    : frame_(reference.frame()), side_(side_voxels) {
-  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-  for (const Vec3& point : mesh.points) {
-    const Vec3 q = frame_.to_index(point);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], q[axis]);
-      hi[axis] = std::max(hi[axis], q[axis]);
-    }
-  }
-  const auto count_cells = [&] {
-    std::size_t cells = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      first_[axis] = static_cast<std::int32_t>(std::floor(lo[axis] / side_)) - 1;
-      count_[axis] = static_cast<std::int32_t>(std::floor(hi[axis] / side_)) - first_[axis] + 2;
-      cells *= static_cast<std::size_t>(count_[axis]);
-    }
-    return cells;
-  };
+    : side_(side_voxels) {
   if (mesh.points.empty()) return;
-  while (count_cells() > kMostCells) side_ *= 2;
-  cells_.resize(count_cells());
+  while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
+  cells_.resize(choose_cells(mesh, reference.frame()));
   refill(mesh);
+}
+
+// Sets the map and the extent for cells of the present side; how many there would be.
+std::size_t SheetGrid::choose_cells(const CertifiedMesh& mesh, const GridFrame& frame) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    row_[axis] = frame.direction.column[axis] / (frame.spacing[axis] * side_);
+    shift_[axis] = -dot(row_[axis], frame.origin);
+  }
+  Box box;
+  for (const Vec3& point : mesh.points) box.add(to_grid(point));
+  std::size_t cells = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double first = std::floor(box.lo[axis]) - 1;
+    shift_[axis] -= first;
+    count_[axis] = static_cast<std::int32_t>(std::floor(box.hi[axis]) - first) + 2;
+    cells *= static_cast<std::size_t>(count_[axis]);
+  }
+  return cells;
 }
 
 void SheetGrid::refill(const CertifiedMesh& mesh) {
   for (auto& cell : cells_) cell.clear();
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
-    if (mesh.triangles[t].is_alive()) insert(t, corners_now(mesh, t));
+    if (!mesh.triangles[t].is_alive()) continue;
+    Box box;
+    for (const Vec3& corner : corners_now(mesh, t)) box.add(to_grid(corner));
+    insert(t, box);
   }
 }
 
-SheetGrid::Range SheetGrid::range_of(const Vec3* begin, const Vec3* end) const {
-  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
-  for (const Vec3* point = begin; point != end; ++point) {
-    const Vec3 q = frame_.to_index(*point);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], q[axis]);
-      hi[axis] = std::max(hi[axis], q[axis]);
-    }
-  }
+SheetGrid::Range SheetGrid::range_of(const Box& box) const {
   Range range{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto cell = [&](double x) {
-      return std::clamp(static_cast<std::int32_t>(std::floor(x / side_)) - first_[axis], 0, count_[axis] - 1);
-    };
-    range.lo[axis] = cell(lo[axis] - 1e-6);
-    range.hi[axis] = cell(hi[axis] + 1e-6);
+    const auto cell = [&](double x) { return std::clamp(static_cast<std::int32_t>(x), 0, count_[axis] - 1); };
+    range.first[axis] = cell(box.lo[axis] - kBeyondCell);
+    range.last[axis] = cell(box.hi[axis] + kBeyondCell);
   }
   return range;
 }
 
-void SheetGrid::insert(Index triangle, const std::array<Vec3, 3>& corners) {
-  for_cells(range_of(corners.data(), corners.data() + 3), [&](std::vector<Index>& list) {
-    if (std::find(list.begin(), list.end(), triangle) == list.end()) list.push_back(triangle);
+// Visits the cells that a box meets, with the part of each that it takes, until `visit` returns false;
+// whether none did.
+template <class Visit>
+bool SheetGrid::for_cells(const Box& box, Visit&& visit) {
+  const auto [first, last] = range_of(box);
+  for (std::int32_t k = first[2]; k <= last[2]; ++k) {
+    const std::uint32_t lo_z = part_below(box.lo.z - kBeyondCell, k) << 16;
+    const std::uint32_t hi_z = part_above(box.hi.z + kBeyondCell, k) << 16;
+    for (std::int32_t j = first[1]; j <= last[1]; ++j) {
+      const std::uint32_t lo_yz = part_below(box.lo.y - kBeyondCell, j) << 8 | lo_z;
+      const std::uint32_t hi_yz = part_above(box.hi.y + kBeyondCell, j) << 8 | hi_z;
+      auto* const cells = cells_.data() + row_of(j, k);
+      for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+        const std::uint32_t lo = part_below(box.lo.x - kBeyondCell, i) | lo_yz;
+        const std::uint32_t hi = part_above(box.hi.x + kBeyondCell, i) | hi_yz;
+        if (!visit(cells[i], lo, hi)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+void SheetGrid::approach(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) const {
+  scratch.grid_box = {};
+  for (const Index v : proposal.rim) scratch.grid_box.add(to_grid(mesh.points[v]));
+  if (proposal.moved != kNoIndex) scratch.grid_box.add(to_grid(proposal.place));
+  const auto [first, last] = range_of(scratch.grid_box);
+  for (std::int32_t k = first[2]; k <= last[2]; ++k) {
+    for (std::int32_t j = first[1]; j <= last[1]; ++j) {
+      const auto* const cells = cells_.data() + row_of(j, k);
+      for (std::int32_t i = first[0]; i <= last[0]; ++i) __builtin_prefetch(cells[i].data());
+    }
+  }
+}
+
+void SheetGrid::insert(Index triangle, const Box& box) {
+  for_cells(box, [&](std::vector<Entry>& list, std::uint32_t lo, std::uint32_t hi) {
+    const auto same = [&](const Entry& entry) { return entry.triangle == triangle; };
+    const auto found = std::find_if(list.begin(), list.end(), same);
+    if (found == list.end()) {
+      list.push_back({triangle, lo, hi});
+    } else {
+      *found = {triangle, lo, hi};
+    }
     return true;
   });
 }
 
 void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal) {
-  for (const Index t : proposal.after) insert(t, corners_now(mesh, t));
+  for (const Index t : proposal.after) {
+    Box box;
+    for (const Vec3& corner : corners_now(mesh, t)) box.add(to_grid(corner));
+    insert(t, box);
+  }
 }
 
 // All new triangles are looked at together, so that what is near them is fetched once.
@@ -174,20 +229,25 @@ bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal
     }
     return true;
   };
-  const auto is_clear = [&](std::vector<Index>& list) {
-    std::size_t dead = 0;
-    for (const Index t : list) {
-      if (!mesh.triangles[t].is_alive()) {
-        ++dead;
-      } else if (scratch.stamp[t] != tick) {
-        scratch.stamp[t] = tick;
-        if (!is_clear_of(t)) return false;
+  const auto is_clear = [&](std::vector<Entry>& list, std::uint32_t lo, std::uint32_t hi) {
+    for (std::size_t i = 0; i < list.size();) {
+      const Entry& entry = list[i];
+      if (!bytes_meet(entry.lo, entry.hi, lo, hi)) {
+        ++i;
+      } else if (!mesh.triangles[entry.triangle].is_alive()) {
+        list[i] = list.back();
+        list.pop_back();
+      } else {
+        if (scratch.stamp[entry.triangle] != tick) {
+          scratch.stamp[entry.triangle] = tick;
+          if (!is_clear_of(entry.triangle)) return false;
+        }
+        ++i;
       }
     }
-    if (dead > 0) std::erase_if(list, [&](Index t) { return !mesh.triangles[t].is_alive(); });
     return true;
   };
-  return !for_cells(range_of(scratch.corner.data(), scratch.corner.data() + scratch.corner.size()), is_clear);
+  return !for_cells(scratch.grid_box, is_clear);
 }
 
 bool SheetGrid::would_intersect(const CertifiedMesh& mesh, const Proposal& proposal,

@@ -7,16 +7,19 @@
 
 namespace periost {
 
-// Buffers of one thread.
 // An axis-parallel box; empty at first.
 struct Box {
   Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
 
-  void add(const Box& o) {
+  void add(Vec3 point) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], o.lo[axis]);
-      hi[axis] = std::max(hi[axis], o.hi[axis]);
+      lo[axis] = std::min(lo[axis], point[axis]);
+      hi[axis] = std::max(hi[axis], point[axis]);
     }
+  }
+  void add(const Box& o) {
+    add(o.lo);
+    add(o.hi);
   }
   bool meets(const Box& o) const {
     return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y && lo.z <= o.hi.z &&
@@ -24,9 +27,11 @@ struct Box {
   }
 };
 
+// Buffers of one thread.
 struct SheetScratch {
   std::vector<std::uint32_t> stamp;  // of output triangles
   std::uint32_t tick = 0;
+  Box grid_box;              // of the proposal, in cells
   std::vector<Vec3> corner;  // of the new triangles, three each
   std::vector<Box> box;      // of the new triangles
 };
@@ -39,6 +44,9 @@ class SheetGrid {
   // Cells have `side_voxels` voxels a side, in the image's own axes; more where that would be more than four
   // million cells. O(triangles + cells).
   SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels);
+
+  // Says that would_intersect will be asked of this proposal, so that the memory is on its way.
+  void approach(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) const;
 
   // Whether a new triangle of the proposal would meet a triangle that stays, or another new one, in more than
   // what they share; by exact predicates. `around`: triangles that share a vertex with the ring. Tests
@@ -56,34 +64,36 @@ class SheetGrid {
   void insert(const CertifiedMesh& mesh, const Proposal& proposal);
 
  private:
-  struct Range {
-    std::array<std::int32_t, 3> lo, hi;  // cells, inclusive
+  // A triangle and the part of the cell that its box takes: 128 steps a side, one byte an axis, so that most
+  // tests read nothing else.
+  struct Entry {
+    Index triangle;
+    std::uint32_t lo, hi;
   };
-  Range range_of(const Vec3* begin, const Vec3* end) const;
-  void insert(Index triangle, const std::array<Vec3, 3>& corners);
-  bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
 
-  // Visits the lists of a range until `visit` returns false; whether none did.
-  template <class Visit>
-  bool for_cells(const Range& range, Visit&& visit) {
-    for (std::int32_t k = range.lo[2]; k <= range.hi[2]; ++k) {
-      for (std::int32_t j = range.lo[1]; j <= range.hi[1]; ++j) {
-        for (std::int32_t i = range.lo[0]; i <= range.hi[0]; ++i) {
-          const std::size_t row =
-              static_cast<std::size_t>(j) + static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(k);
-          if (!visit(cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(count_[0]) * row])) {
-            return false;
-          }
-        }
-      }
-    }
-    return true;
+  // A point in cells from the grid's corner.
+  Vec3 to_grid(Vec3 p) const {
+    return {dot(row_[0], p) + shift_.x, dot(row_[1], p) + shift_.y, dot(row_[2], p) + shift_.z};
   }
+  std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
+  void insert(Index triangle, const Box& box);
+  bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
+  struct Range {
+    std::array<std::int32_t, 3> first, last;  // cells, inclusive
+  };
+  Range range_of(const Box& box) const;
+  std::size_t row_of(std::int32_t j, std::int32_t k) const {
+    return static_cast<std::size_t>(count_[0]) *
+           (static_cast<std::size_t>(j) + static_cast<std::size_t>(count_[1]) * static_cast<std::size_t>(k));
+  }
+  template <class Visit>
+  bool for_cells(const Box& box, Visit&& visit);
 
-  GridFrame frame_;
-  double side_ = 2;  // voxels
-  std::array<std::int32_t, 3> first_{}, count_{};
-  std::vector<std::vector<Index>> cells_;
+  double side_ = 2;          // voxels
+  std::array<Vec3, 3> row_;  // from LPS mm to cells
+  Vec3 shift_;
+  std::array<std::int32_t, 3> count_{};
+  std::vector<std::vector<Entry>> cells_;
 };
 
 }  // namespace periost

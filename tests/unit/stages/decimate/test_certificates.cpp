@@ -7,6 +7,7 @@
 #include "certified_shapes.h"
 #include "stages/decimate/certificate_forward.h"
 #include "stages/decimate/certificate_reverse.h"
+#include "stages/decimate/certificate_ring.h"
 
 namespace periost {
 namespace {
@@ -185,11 +186,63 @@ std::vector<Index> around(const CertifiedMesh& mesh, const Proposal& proposal) {
   return result;
 }
 
+// Removals and swaps at random places, on a mesh that is decimated as far as the overlay allows.
+TEST(RingCertificate, NeverProvesWhatSamplesRefuteNorRefutesWhatIsNear) {
+  const Reference reference(shapes::stairs());
+  CertifiedMesh mesh = make_certified_mesh(reference);
+  RingScratch scratch;
+  Proposal proposal;
+  Random random(21, 0);
+  const double tolerance = 0.3;
+  int proved = 0, left_open = 0, refuted = 0, swaps = 0;
+  for (int trial = 0; trial < 4000 && proved < 700; ++trial) {
+    const Index t = random.below(static_cast<std::uint32_t>(mesh.triangles.size()));
+    const bool is_swap = trial % 5 == 0;
+    if (!mesh.triangles[t].is_alive()) continue;
+    if (!(is_swap ? propose_swap(mesh, t, random.below(3), proposal)
+                  : propose_removal(mesh, t, random.below(3), proposal))) {
+      continue;
+    }
+    if (!is_swap) {
+      proposal.place =
+          (mesh.points[proposal.moved] + mesh.points[proposal.removed]) / 2 + random_vector(random, 0.1);
+      proposal.place_nearest = reference.nearest(proposal.place, 1, {}).triangle;
+      if (proposal.place_nearest == kNoIndex) proposal.place_nearest = mesh.nearest[proposal.moved];
+    }
+    const Answer answer = certify_ring(reference, mesh, proposal, tolerance, scratch);
+    double worst = 0;
+    for (std::size_t j = 0; j < proposal.cells.size(); ++j) {
+      const auto corners = corners_after(mesh, proposal, proposal.cells[j]);
+      const double distance = trial % 4 == 0 || is_swap ? sampled_distance(reference, corners, 6) : 0;
+      worst = std::max(worst, distance);
+      const bool is_proved = answer == Answer::kProved && (scratch.unproved >> j & 1u) == 0;
+      if (is_proved) {
+        EXPECT_LE(distance, tolerance * (1 + 1e-9));
+      }
+    }
+    refuted += answer == Answer::kRefuted ? 1 : 0;
+    if (answer != Answer::kProved) continue;
+    if (scratch.unproved != 0) {
+      ++left_open;
+      continue;
+    }
+    ++proved;
+    swaps += is_swap ? 1 : 0;
+    apply(proposal, mesh);
+  }
+  EXPECT_GE(proved, 400);
+  EXPECT_GT(swaps, 20);
+  EXPECT_GT(left_open, 20);
+  EXPECT_GT(refuted, 5);
+}
+
 TEST(ReverseCertificate, NeverAcceptsWhatSamplesRefute) {
   const Reference reference(shapes::ellipsoid());
   CertifiedMesh mesh = make_certified_mesh(reference);
   ReverseProofs proofs = make_reverse_proofs(reference.triangles.size());
   ReverseScratch scratch;
+  RingScratch ring;
+  int covered = 0;
   Proposal proposal;
   Random random(8, 0);
   const double tolerance = 0.25;
@@ -200,11 +253,19 @@ TEST(ReverseCertificate, NeverAcceptsWhatSamplesRefute) {
     proposal.place =
         (mesh.points[proposal.moved] + mesh.points[proposal.removed]) / 2 + random_vector(random, 0.2);
     proposal.place_nearest = mesh.nearest[proposal.moved];
-    if (!certify_reverse(reference, mesh, proofs, proposal, around(mesh, proposal), tolerance, scratch)) {
+    // Every other one with the help of the overlay, so that its proofs are among those checked.
+    const bool has_ring =
+        trial % 2 == 0 && certify_ring(reference, mesh, proposal, tolerance, ring) == Answer::kProved;
+    if (!certify_reverse(reference, mesh, proofs, proposal, around(mesh, proposal),
+                         has_ring ? &ring : nullptr, tolerance, scratch)) {
       ++refused;
       continue;
     }
     ++accepted;
+    for (const Index s : scratch.renewed) {
+      ReverseProof proof;
+      covered += has_ring && is_covered_by_ring(proposal, ring, s, proof) ? 1 : 0;
+    }
     for (std::size_t i = 0; accepted % 5 == 0 && i < scratch.renewed.size(); ++i) {
       const auto c = reference.corners(scratch.renewed[i]);
       for (const Vec3& p : {c[0], c[1], c[2], (c[0] + c[1] + c[2]) / 3, (c[0] + c[1]) / 2}) {
@@ -216,14 +277,15 @@ TEST(ReverseCertificate, NeverAcceptsWhatSamplesRefute) {
   }
   EXPECT_GT(accepted, 100);
   EXPECT_GT(refused, 100);
+  EXPECT_GT(covered, 100);
   // The invariant R: every isosurface triangle lies by its home and labels, and is listed there.
   std::vector<int> listed(reference.triangles.size(), 0);
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
-    for (Index s = proofs.first[t]; s != kNoIndex; s = proofs.next[s]) {
+    proofs.for_homed(t, [&](Index s) {
       EXPECT_EQ(proofs.proof[s].home, t);
       EXPECT_TRUE(mesh.triangles[t].is_alive());
       ++listed[s];
-    }
+    });
   }
   EXPECT_EQ(std::count(listed.begin(), listed.end(), 1), std::ptrdiff_t(listed.size()));
   for (Index s = 0; s < reference.triangles.size(); ++s) {

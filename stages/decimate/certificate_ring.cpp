@@ -1,0 +1,397 @@
+#include "stages/decimate/certificate_ring.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace periost {
+namespace {
+
+constexpr double kLeastTilt = 0.2;   // least product of a new triangle's normal with the direction
+constexpr double kBeyondEnd = 1e-9;  // of parameters along a segment, always on the safe side
+constexpr double kFlat = 1e-7;       // shadows of triangles with less area than this, per squared edge
+constexpr int kFanWalk = 256;
+constexpr std::size_t kFanFlood = 4096;
+// Of the first new triangle, in general position; the degree is measured there.
+constexpr std::array<double, 2> kFanProbe{0.328759, 0.334138};
+
+struct Planar {
+  double x, y;
+};
+double planar_turn(Planar a, Planar b) {
+  return a.x * b.y - a.y * b.x;
+}
+Planar operator-(Planar a, Planar b) {
+  return {a.x - b.x, a.y - b.y};
+}
+
+// The new triangles in the plane, the apex at the origin. Lines 0 to spokes - 1 lead from the apex to each
+// vertex of the rim, lines spokes + j along the rim of cell j.
+struct Fan {
+  struct Line {
+    Planar from, along;
+    double height, rise;  // at `from`, and from there to the other end
+    double per_squared_length;
+    std::uint32_t cells = 0;  // beside it
+    bool is_border = false;
+  };
+  struct Cell {
+    std::uint32_t a, b;  // its spokes, counter-clockwise
+    double slope_x, slope_y;
+  };
+  std::size_t spokes = 0, cells = 0;
+  std::array<Index, kMaxFan + 1> vertex;
+  std::array<Vec3, kMaxFan + 1> rim;  // x, y and height
+  std::array<std::uint32_t, kMaxFan + 1> lines_at{}, cells_at{};
+  std::array<Cell, kMaxFan> cell;
+  std::array<Line, 2 * kMaxFan> line;
+  // The offset of (x, y) from line l is cx[l] * x + cy[l] * y + c[l].
+  std::array<double, 2 * kMaxFan> cx, cy, c;
+  Vec3 origin, axis_x, axis_y, axis_z;
+
+  Vec3 to_fan(Vec3 p) const {
+    const Vec3 d = p - origin;
+    return {dot(d, axis_x), dot(d, axis_y), dot(d, axis_z)};
+  }
+  std::size_t lines() const { return spokes + cells; }
+  double height(std::size_t j, Planar p) const { return cell[j].slope_x * p.x + cell[j].slope_y * p.y; }
+};
+
+Index apex_of(const Proposal& proposal) {
+  if (proposal.moved != kNoIndex) return proposal.moved;
+  for (const Index v : proposal.cells[0].corner) {
+    if (proposal.cells[1].has(v)) return v;
+  }
+  return kNoIndex;
+}
+
+// The spoke that ends at a vertex; a new one when there is none. kMaxFan + 1 when there are too many.
+std::uint32_t spoke_to(const CertifiedMesh& mesh, Index vertex, Fan& fan) {
+  for (std::uint32_t i = 0; i < fan.spokes; ++i) {
+    if (fan.vertex[i] == vertex) return i;
+  }
+  if (fan.spokes == kMaxFan) return kMaxFan + 1;
+  fan.vertex[fan.spokes] = vertex;
+  fan.rim[fan.spokes] = mesh.points[vertex];
+  return static_cast<std::uint32_t>(fan.spokes++);
+}
+
+// The frame: z along the sum of the area vectors, so that tilts are small.
+bool choose_frame(Vec3 areas, Fan& fan) {
+  fan.axis_z = normalized(areas);
+  if (fan.axis_z == Vec3{}) return false;
+  const Vec3 n = fan.axis_z;
+  const Vec3 aside = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  fan.axis_x = normalized(cross(aside, n));
+  fan.axis_y = cross(n, fan.axis_x);
+  for (std::size_t i = 0; i < fan.spokes; ++i) fan.rim[i] = fan.to_fan(fan.rim[i]);
+  return true;
+}
+
+void set_line(std::size_t l, Vec3 from, Vec3 to, Fan& fan) {
+  const Planar along{to.x - from.x, to.y - from.y};
+  fan.line[l] = {
+      {from.x, from.y}, along, from.z, to.z - from.z, 1 / (along.x * along.x + along.y * along.y), 0, false};
+  fan.cx[l] = -along.y;
+  fan.cy[l] = along.x;
+  fan.c[l] = along.y * from.x - along.x * from.y;
+}
+
+// How many cells hold the direction of the positive x axis; more than one when the fan winds twice.
+int windings(const Fan& fan) {
+  int count = 0;
+  for (std::size_t j = 0; j < fan.cells; ++j) {
+    count += fan.rim[fan.cell[j].a].y <= 0 && fan.rim[fan.cell[j].b].y > 0 ? 1 : 0;
+  }
+  return count;
+}
+
+// False when the new triangles are no fan, or their shadows do not tile a polygon.
+bool make_fan(const CertifiedMesh& mesh, const Proposal& proposal, Fan& fan) {
+  fan.cells = proposal.cells.size();
+  const Index apex = apex_of(proposal);
+  if (fan.cells > kMaxFan || apex == kNoIndex) return false;
+  fan.origin = proposal.point_of(mesh, apex);
+  std::array<Vec3, kMaxFan> area;
+  Vec3 areas;
+  for (std::size_t j = 0; j < fan.cells; ++j) {
+    const LinkedTriangle& cell = proposal.cells[j];
+    if (!cell.has(apex)) return false;
+    const std::size_t k = cell.slot_of(apex);
+    const std::uint32_t a = spoke_to(mesh, cell.corner[(k + 1) % 3], fan);
+    const std::uint32_t b = spoke_to(mesh, cell.corner[(k + 2) % 3], fan);
+    if (a > kMaxFan || b > kMaxFan) return false;
+    fan.cell[j] = {a, b, 0, 0};
+    area[j] = cross(fan.rim[a] - fan.origin, fan.rim[b] - fan.origin);
+    areas += area[j];
+  }
+  if (fan.lines() > 2 * kMaxFan || !choose_frame(areas, fan)) return false;
+  for (std::size_t i = 0; i < fan.spokes; ++i) set_line(i, {}, fan.rim[i], fan);
+  for (std::size_t j = 0; j < fan.cells; ++j) {
+    auto& [a, b, slope_x, slope_y] = fan.cell[j];
+    const Vec3 ra = fan.rim[a], rb = fan.rim[b];
+    const double det = ra.x * rb.y - ra.y * rb.x;
+    if (!(det > 0) || det * det < kLeastTilt * kLeastTilt * squared_norm(area[j])) return false;
+    slope_x = (ra.z * rb.y - rb.z * ra.y) / det;
+    slope_y = (rb.z * ra.x - ra.z * rb.x) / det;
+    const std::size_t outer = fan.spokes + j;
+    set_line(outer, ra, rb, fan);
+    const std::uint32_t bit = 1u << j;
+    fan.line[a].cells |= bit;
+    fan.line[b].cells |= bit;
+    fan.line[outer].cells = bit;
+    fan.line[outer].is_border = true;
+    for (const std::uint32_t end : {a, b}) {
+      fan.lines_at[end] |= (1u << end) | (1u << outer);
+      fan.cells_at[end] |= bit;
+    }
+  }
+  for (std::size_t i = 0; i < fan.spokes; ++i) fan.line[i].is_border = std::popcount(fan.line[i].cells) < 2;
+  const bool is_closed = fan.spokes == fan.cells;
+  return is_closed ? windings(fan) == 1 : fan.cells == 2;
+}
+
+// One overlay. The patch grows visit by visit; what each adds is looked at once.
+class FanOverlay {
+ public:
+  FanOverlay(const Reference& reference, const Fan& fan, double tolerance, RingScratch& scratch)
+      : reference_(reference), fan_(fan), tolerance_(tolerance), scratch_(scratch) {}
+
+  Answer run(Index start) {
+    reset();
+    const Vec3 a = fan_.rim[fan_.cell[0].a], b = fan_.rim[fan_.cell[0].b];
+    probe_ = {kFanProbe[0] * a.x + kFanProbe[1] * b.x, kFanProbe[0] * a.y + kFanProbe[1] * b.y};
+    const Index seed = walk(start);
+    if (seed == kNoIndex) return Answer::kUnknown;
+    push(seed);
+    for (std::size_t i = 0; i < scratch_.visits.size(); ++i) {
+      if (!visit(i)) return Answer::kUnknown;
+    }
+    if (degree_ < 1) return Answer::kUnknown;
+    return is_refuted() ? Answer::kRefuted : Answer::kProved;
+  }
+
+ private:
+  using Foot = RingScratch::Foot;
+
+  void reset() {
+    scratch_.visits.clear();
+    scratch_.unproved = 0;
+    if (scratch_.foot_of.empty() || ++scratch_.tick == 0) {
+      scratch_.foot_of.assign(reference_.points.size(), {});
+      scratch_.visit_of.assign(reference_.triangles.size(), {});
+      scratch_.tick = 1;
+    }
+  }
+
+  // Over the isosurface to the triangle under the probe; kNoIndex when it folds back or has a contour.
+  Index walk(Index t) const {
+    for (int step = 0; step < kFanWalk && t != kNoIndex; ++step) {
+      std::array<Planar, 3> p;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 q = fan_.to_fan(reference_.points[reference_.triangles[t].corner[k]]);
+        p[k] = {q.x - probe_.x, q.y - probe_.y};
+      }
+      double worst = 0;
+      std::size_t exit = 3;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double side = planar_turn(p[(k + 1) % 3], p[(k + 2) % 3]);
+        if (side < worst) {
+          worst = side;
+          exit = k;
+        }
+      }
+      if (exit == 3) return t;
+      t = reference_.triangles[t].across[exit];
+    }
+    return kNoIndex;
+  }
+
+  std::uint32_t push(Index t) {
+    const auto number = static_cast<std::uint32_t>(scratch_.visits.size());
+    scratch_.visit_of[t] = {scratch_.tick, number};
+    scratch_.visits.push_back({t, 0, false, {}});
+    return number;
+  }
+
+  void note(std::uint32_t cells, Planar p, double height) {
+    if (std::abs(height) <= tolerance_) return;
+    scratch_.unproved |= cells;
+    for (std::uint32_t left = cells; left != 0; left &= left - 1) {
+      auto& worst = worst_[static_cast<std::size_t>(std::countr_zero(left))];
+      if (std::abs(height) > worst.z) worst = {p.x, p.y, std::abs(height)};
+    }
+  }
+
+  // The vertex in the fan's frame, and over which new triangle it lies.
+  std::uint32_t foot(Index v) {
+    auto& mark = scratch_.foot_of[v];
+    if (mark.stamp == scratch_.tick) return mark.at;
+    const std::uint32_t number = foot_count_++;
+    mark = {scratch_.tick, number};
+    if (number == scratch_.feet.size()) scratch_.feet.resize(2 * scratch_.feet.size() + 64);
+    Foot& foot = scratch_.feet[number];
+    const Vec3 q = fan_.to_fan(reference_.points[v]);
+    foot.x = q.x;
+    foot.y = q.y;
+    foot.z = q.z;
+    const std::size_t lines = fan_.lines();
+    for (std::size_t l = 0; l < lines; ++l) foot.offset[l] = fan_.cx[l] * q.x + fan_.cy[l] * q.y + fan_.c[l];
+    std::uint32_t sides = 0;
+    for (std::size_t l = 0; l < lines; ++l) {
+      sides |= static_cast<std::uint32_t>(~std::bit_cast<std::uint64_t>(foot.offset[l]) >> 63) << l;
+    }
+    foot.sides = sides;
+    foot.cell = 0;
+    for (std::size_t j = 0; j < fan_.cells; ++j) {
+      const std::uint32_t inside = (sides >> fan_.cell[j].a) & ~(sides >> fan_.cell[j].b) & 1u;
+      if ((inside & (sides >> (fan_.spokes + j))) == 0) continue;
+      foot.cell = 1u << j;
+      note(foot.cell, {q.x, q.y}, q.z - fan_.height(j, {q.x, q.y}));
+      break;
+    }
+    return number;
+  }
+
+  // The crossings of an isosurface edge with the fan's; whether its shadow meets the fan's.
+  bool cross_lines(const Foot& a, const Foot& b, std::uint32_t& cells, bool& leaves) {
+    bool meets = a.cell != 0 || b.cell != 0;
+    for (std::uint32_t left = a.sides ^ b.sides; left != 0; left &= left - 1) {
+      const auto l = static_cast<std::size_t>(std::countr_zero(left));
+      const auto& line = fan_.line[l];
+      const double t = a.offset[l] / (a.offset[l] - b.offset[l]);
+      const Planar p{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+      const Planar d = p - line.from;
+      const double w = (d.x * line.along.x + d.y * line.along.y) * line.per_squared_length;
+      if (w < -kBeyondEnd || w > 1 + kBeyondEnd) continue;
+      meets = true;
+      cells |= line.cells;
+      leaves = leaves || line.is_border;
+      note(line.cells, p, a.z + t * (b.z - a.z) - (line.height + w * line.rise));
+    }
+    return meets;
+  }
+
+  // Whether p lies in the shadow of the triangle; then its height over p.
+  static bool height_at(const std::array<const Foot*, 3>& f, Planar p, double& height, int& orientation) {
+    std::array<Planar, 3> q;
+    for (std::size_t k = 0; k < 3; ++k) q[k] = {f[k]->x - p.x, f[k]->y - p.y};
+    const double w0 = planar_turn(q[1], q[2]), w1 = planar_turn(q[2], q[0]), w2 = planar_turn(q[0], q[1]);
+    if (!((w0 >= 0 && w1 >= 0 && w2 >= 0) || (w0 <= 0 && w1 <= 0 && w2 <= 0))) return false;
+    const double area = w0 + w1 + w2;
+    const Planar e1 = q[1] - q[0], e2 = q[2] - q[0];
+    const double size = std::max(e1.x * e1.x + e1.y * e1.y, e2.x * e2.x + e2.y * e2.y);
+    height = std::abs(area) < kFlat * size ? std::numeric_limits<double>::infinity()
+                                           : (w0 * f[0]->z + w1 * f[1]->z + w2 * f[2]->z) / area;
+    // Counted at once by two neighbours when exactly on an edge: then it counts for nothing.
+    orientation = w0 > 0 && w1 > 0 && w2 > 0 ? 1 : area > 0 ? 0 : -1;
+    return true;
+  }
+
+  // The fan's vertices over the triangle.
+  void place_fan_vertices(RingScratch::Visit& visit, const std::array<const Foot*, 3>& f) {
+    const std::uint32_t any = f[0]->sides | f[1]->sides | f[2]->sides;
+    const std::uint32_t mixed = any & ~(f[0]->sides & f[1]->sides & f[2]->sides);
+    const std::uint32_t all_spokes = (1u << fan_.spokes) - 1;
+    double height = 0;
+    int orientation = 0;
+    if ((mixed & all_spokes) == all_spokes && height_at(f, {0, 0}, height, orientation)) {
+      const std::uint32_t all_cells = (1u << fan_.cells) - 1;
+      visit.cells |= all_cells;
+      visit.leaves = visit.leaves || fan_.spokes != fan_.cells;
+      note(all_cells, {0, 0}, height);
+    }
+    for (std::size_t i = 0; i < fan_.spokes; ++i) {
+      if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i]) continue;
+      const Planar p{fan_.rim[i].x, fan_.rim[i].y};
+      if (!height_at(f, p, height, orientation)) continue;
+      visit.cells |= fan_.cells_at[i];
+      visit.leaves = true;
+      note(fan_.cells_at[i], p, height - fan_.rim[i].z);
+    }
+    if ((visit.cells & 1u) != 0 && height_at(f, probe_, height, orientation)) degree_ += orientation;
+  }
+
+  // False at a contour, or when the patch is too large.
+  bool visit(std::size_t i) {
+    const Index t = scratch_.visits[i].triangle;
+    const LinkedTriangle& triangle = reference_.triangles[t];
+    std::array<std::uint32_t, 3> number;
+    for (std::size_t k = 0; k < 3; ++k) number[k] = foot(triangle.corner[k]);
+    const std::array<const Foot*, 3> f{&scratch_.feet[number[0]], &scratch_.feet[number[1]],
+                                       &scratch_.feet[number[2]]};
+    scratch_.visits[i].foot = number;
+    scratch_.visits[i].cells |= f[0]->cell | f[1]->cell | f[2]->cell;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index next = triangle.across[k];
+      const RingScratch::Mark known = next == kNoIndex ? RingScratch::Mark{} : scratch_.visit_of[next];
+      const bool is_known = known.stamp == scratch_.tick;
+      if (is_known && known.at < i) continue;  // looked at from there
+      std::uint32_t cells = 0;
+      bool leaves = false;
+      if (!cross_lines(*f[(k + 1) % 3], *f[(k + 2) % 3], cells, leaves)) continue;
+      if (next == kNoIndex || scratch_.visits.size() > kFanFlood) return false;
+      for (const std::size_t j : {i, std::size_t{is_known ? known.at : push(next)}}) {
+        scratch_.visits[j].cells |= cells;
+        scratch_.visits[j].leaves = scratch_.visits[j].leaves || leaves;
+      }
+    }
+    place_fan_vertices(scratch_.visits[i], f);
+    return true;
+  }
+
+  // Whether a point of a new triangle has no isosurface within the tolerance.
+  bool is_refuted() const {
+    for (std::uint32_t left = scratch_.unproved; left != 0; left &= left - 1) {
+      const auto j = static_cast<std::size_t>(std::countr_zero(left));
+      const Planar p{worst_[j].x, worst_[j].y};
+      const Vec3 point =
+          fan_.origin + fan_.axis_x * p.x + fan_.axis_y * p.y + fan_.axis_z * fan_.height(j, p);
+      if (!reference_.has_within(point, tolerance_)) return true;
+    }
+    return false;
+  }
+
+  const Reference& reference_;
+  const Fan& fan_;
+  double tolerance_;
+  RingScratch& scratch_;
+  Planar probe_{};
+  int degree_ = 0;
+  std::uint32_t foot_count_ = 0;
+  std::array<Vec3, kMaxFan> worst_{};  // of each new triangle: where, and how high
+};
+
+}  // namespace
+
+Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
+                    double tolerance, RingScratch& scratch) {
+  Fan fan;
+  if (!make_fan(mesh, proposal, fan)) return Answer::kUnknown;
+  const Index start = proposal.nearest_of(mesh, apex_of(proposal));
+  return FanOverlay(reference, fan, tolerance, scratch).run(start);
+}
+
+bool is_covered_by_ring(const Proposal& proposal, const RingScratch& scratch, Index s, ReverseProof& proof) {
+  const RingScratch::Visit* const visit = scratch.find_visit(s);
+  if (!visit || visit->leaves || (visit->cells & scratch.unproved) != 0 || std::popcount(visit->cells) > 4) {
+    return false;
+  }
+  std::uint32_t home = 0;
+  for (const std::uint32_t number : visit->foot) {
+    if (scratch.feet[number].cell == 0) return false;
+    home = scratch.feet[number].cell;
+  }
+  const auto id = [&](std::uint32_t bit) {
+    return proposal.after[static_cast<std::size_t>(std::countr_zero(bit))];
+  };
+  proof = {id(home), {kNoIndex, kNoIndex, kNoIndex}};
+  std::size_t count = 0;
+  for (std::uint32_t left = visit->cells & ~home; left != 0; left &= left - 1) {
+    proof.label[count++] = id(left & (~left + 1));
+  }
+  return true;
+}
+
+}  // namespace periost

@@ -1,0 +1,87 @@
+#pragma once
+// One overlay for both certificates: all new triangles of a ring and the isosurface under them, seen along
+// one direction. It proves in one flood what certificate_forward.h and certificate_reverse.h prove triangle
+// by triangle, wherever both sheets are height fields over the same plane, which they mostly are; what it
+// leaves open is decided there.
+//
+// Let d be the ring's mean normal. The new triangles are a fan: they share a corner, the apex, and their
+// shadows along d tile a polygon. Starting at the isosurface triangle under a point of the fan, collect
+// isosurface triangles across every edge whose shadow meets the fan's. The corners of the overlay of both are
+// the isosurface's vertices over the fan, the fan's vertices, and the crossings of their edges; between them
+// the height of one over the other is linear.
+//
+// Forward. No edge on the collected patch's border has a shadow that meets the fan's, so the degree of the
+// patch over the fan is the same everywhere; if it is at least 1, each point of a new triangle has a
+// collected one over or under it. So a new triangle is within the tolerance of the isosurface if the heights
+// at all corners of its overlay are.
+//
+// Reverse. An isosurface triangle whose shadow lies in the fan's, so that none of its overlay's corners lies
+// on the fan's border or beyond, is covered by the new triangles that it overlaps; it is within the tolerance
+// of these if the heights at all corners of theirs are.
+//
+// Decisions are made in floating point. A crossing that is missed lies within rounding of one that is not, so
+// the error in distance is of the order of 1e-12 of the sizes concerned, and is part of what callers keep of
+// the tolerance.
+#include <cstdint>
+#include <vector>
+
+#include "stages/decimate/certificate_forward.h"
+#include "stages/decimate/certified_mesh.h"
+
+namespace periost {
+
+// Which output triangles an isosurface triangle lies within the tolerance of, all taken together.
+struct ReverseProof {
+  Index home = kNoIndex;  // kNoIndex: dropped on request, proved by nothing
+  std::array<Index, 3> label{kNoIndex, kNoIndex, kNoIndex};
+};
+
+inline constexpr std::size_t kMaxFan = 16;  // triangles of a ring that the overlay takes
+
+// Buffers of one thread, and what the last overlay proved.
+struct RingScratch {
+  // An isosurface vertex in the fan's frame: x and y along the plane, z along d, mm from the apex.
+  struct Foot {
+    double x, y, z;
+    std::uint32_t sides;                     // bit l: left of line l
+    std::uint32_t cell;                      // the new triangle that it is over, as a bit; 0: none
+    std::array<double, 2 * kMaxFan> offset;  // from line l, times its length
+  };
+  struct Visit {
+    Index triangle;       // of the isosurface
+    std::uint32_t cells;  // new triangles that it overlaps
+    bool leaves;          // perhaps not covered by the fan
+    std::array<std::uint32_t, 3> foot;
+  };
+  std::vector<Foot> feet;
+  std::vector<Visit> visits;
+  // Where the foot of a vertex, or the visit of a triangle, stands; valid if the stamp is the tick.
+  struct Mark {
+    std::uint32_t stamp = 0, at = 0;
+  };
+  std::vector<Mark> foot_of;   // of isosurface vertices
+  std::vector<Mark> visit_of;  // of isosurface triangles
+  std::uint32_t tick = 0;
+  std::uint32_t unproved = 0;  // bit j: the j-th new triangle is not proved
+
+  // Null when the overlay did not come by.
+  const Foot* find_foot(Index vertex) const {
+    return foot_of[vertex].stamp == tick ? &feet[foot_of[vertex].at] : nullptr;
+  }
+  const Visit* find_visit(Index triangle) const {
+    return visit_of[triangle].stamp == tick ? &visits[visit_of[triangle].at] : nullptr;
+  }
+};
+
+// kRefuted: a point of a new triangle is farther from the isosurface than the tolerance. kProved: each new
+// triangle but those in scratch.unproved is within it. kUnknown: nothing is known. `proposal` has its place
+// and place_nearest; `tolerance` in mm. Sound, not complete. Time is linear in the isosurface triangles under
+// the ring.
+Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
+                    double tolerance, RingScratch& scratch);
+
+// After kProved: whether the overlay proves that isosurface triangle `s` is within the tolerance of at most
+// four new triangles; these are written to `proof`.
+bool is_covered_by_ring(const Proposal& proposal, const RingScratch& scratch, Index s, ReverseProof& proof);
+
+}  // namespace periost
