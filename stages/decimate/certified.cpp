@@ -26,6 +26,7 @@ constexpr int kStages = 6;             // removal stages by cost
 constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
 constexpr double kWorthwhile = 0.004;  // part of the triangles that a final round must remove to go on
 constexpr double kAim = 1.45;          // times the least angle: what mending aims at between removals
+constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
 constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
 constexpr std::size_t kLeastOfARegion = 3000;  // vertices
@@ -171,8 +172,10 @@ class Schedule {
     end_step("deformation");
   }
 
-  // Few triangles are concerned, so all of space is one region and none is spared at a seam.
+  // What moves can mend is mended in regions. Few triangles are left to insertions, so then all of space is
+  // one region and none is spared at a seam.
   void mend_slivers() {
+    for (int round = 0; round < kSliverSweeps; ++round) sweep(0, sliver_pass);
     const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
     std::unique_ptr<Worker> worker = take_worker();
     worker->limits = limits_of(options_);
@@ -188,7 +191,7 @@ class Schedule {
     for (int round = 0; round < kSliverRounds; ++round) {
       context_.check_cancelled();
       const std::uint64_t before = worker->counts.moves();
-      sliver_pass(state_, *worker, regions[0].vertices);
+      sliver_pass(state_, *worker, sliver_vertices(state_, worker->limits.min_angle));
       if (worker->counts.moves() == before) break;
     }
     idle_.push_back(std::move(worker));

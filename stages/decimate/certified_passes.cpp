@@ -15,7 +15,8 @@ constexpr int kSwapRounds = 4;        // around one removal
 constexpr double kLeastFit = 0.02;    // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
-constexpr std::uint32_t kSliverMark = 0x51D0;  // tells signatures of sliver_pass from those of angle_pass
+// Tell what was tried in a neighbourhood: by sliver_pass without insertions, and with them.
+constexpr std::uint32_t kSliverMark = 0x51D0, kInsertionMark = 0x51D1;
 
 struct Candidate {
   double cost;
@@ -243,15 +244,20 @@ bool move_around(CertifiedState& state, Worker& worker, Index vertex) {
   });
 }
 
+bool insert_at(CertifiedState& state, Worker& worker, Index t) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (try_insertion(state, worker, t, k)) return true;
+  }
+  return false;
+}
+
 bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   if (mend_triangle(state, worker, t)) return true;
   const auto corner = state.mesh.triangles[t].corner;
   for (const Index v : corner) {
     if (move_around(state, worker, v)) return true;
   }
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (try_insertion(state, worker, t, k)) return true;
-  }
+  if (insert_at(state, worker, t)) return true;
   Star star;
   for (const Index v : corner) {
     if (!gather_star(state.mesh, v, star)) continue;
@@ -375,18 +381,32 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
   worker.limits.min_angle = limit;
 }
 
+VertexList sliver_vertices(const CertifiedState& state, double limit) {
+  VertexList found;
+  for (Index t = 0; t < state.mesh.triangles.size(); ++t) {
+    if (!state.mesh.triangles[t].is_alive() || !has_angle_under(state, t, limit)) continue;
+    const auto& corner = state.mesh.triangles[t].corner;
+    found.insert(found.end(), corner.begin(), corner.end());
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
   const GuardLimits limits = worker.limits;
   worker.limits.worst_angle_first = true;
   worker.limits.fold_cosine = kSliverFoldCosine;
   worker.limits.min_valence = 3;
+  const bool can_insert = !worker.dead_points.empty();
   for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
       if (!has_angle_under(state, t, worker.limits.min_angle)) continue;
-      const std::uint32_t signature = signature_of(state.mesh, t) + kSliverMark;
-      if (state.unmended[t] == signature) continue;
-      if (mend_sliver(state, worker, t)) break;
-      state.unmended[t] = signature;
+      const std::uint32_t signature = signature_of(state.mesh, t);
+      const bool is_moved = state.unmended[t] == signature + kSliverMark;
+      if ((is_moved && !can_insert) || state.unmended[t] == signature + kInsertionMark) continue;
+      if (is_moved ? insert_at(state, worker, t) : mend_sliver(state, worker, t)) break;
+      state.unmended[t] = signature + (can_insert ? kInsertionMark : kSliverMark);
     }
   });
   worker.limits = limits;

@@ -31,8 +31,12 @@ void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices)
 // deficits to it fall. An aim above the limit makes room for further removals.
 void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double aim);
 
+// The corners of the triangles with an angle under `limit` (radians), ascending.
+VertexList sliver_vertices(const CertifiedState& state, double limit);
+
 // Raises the worst angles: triangles far under the limit are mended by the same moves and by moving their
-// corners and the neighbours of these in many directions; deficits count by their fourth power.
+// corners and the neighbours of these in many directions, and by insertions where the worker has ids for
+// them; deficits count by their fourth power. What failed without insertions is tried with them only.
 void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices);
 
 }  // namespace periost
