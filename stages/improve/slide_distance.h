@@ -1,0 +1,83 @@
+#pragma once
+// Whether a surface stays within its distance of a reference, both ways, while one of its points moves.
+// Bounds on whole triangles, not samples.
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pipeline/data/isosurface.h"
+#include "pipeline/geometry/spatial_search.h"
+#include "stages/improve/triangle_grid.h"
+
+namespace periost {
+
+// The surface that a sliding boundary keeps its distance from, as it is asked for closest points.
+class SlideReference {
+ public:
+  // What is given must live on. An isosurface is searched through its voxels, which needs no preparation.
+  explicit SlideReference(const Isosurface& isosurface);
+  SlideReference(const SurfaceMesh& surface, const Context& context);
+
+  struct Hit {
+    double distance = 0;
+    Vec3 point;
+    std::array<Vec3, 3> facet;  // the triangle that holds the closest point
+  };
+  // The closest point, or nothing where it is farther than `within`.
+  std::optional<Hit> closest(Vec3 p, double within) const;
+  // All triangles that meet the box, and others near.
+  void near(const ImproveBox& box, std::vector<Index>& triangles) const;
+  const SurfaceMesh& surface() const { return surface_; }
+
+ private:
+  const Isosurface* isosurface_ = nullptr;
+  const SurfaceMesh& surface_;
+  std::optional<SpatialSearch> search_;
+  std::optional<TriangleGrid> grid_;
+};
+
+// The corners of a triangle, or of a part of one.
+using SlidePatch = std::array<Vec3, 3>;
+
+class SlideDistance {
+ public:
+  // The reference must live on.
+  SlideDistance(const SlideReference& reference, double limit_mm) : reference_(reference), limit_(limit_mm) {}
+
+  // The triangles at the point, before it moves. What is asked next is about moves of this point.
+  void begin(Vec3 point, std::vector<SlidePatch> star);
+
+  // All of the moved triangles lies within the limit of the reference. A false may be due to the depth to
+  // which parts are looked at.
+  bool is_near(const std::vector<SlidePatch>& moved, Vec3 point);
+
+  // All of the reference that lies within the limit of the triangles before the move lies within it of those
+  // after the move or of the rest of the surface, of which `rest` must hold what is within twice the limit of
+  // the star's box. `rest` must be the same from one begin() to the next. As for a false, see is_near().
+  bool is_covered(const std::vector<SlidePatch>& moved, const std::vector<SlidePatch>& rest);
+
+ private:
+  struct Facet {  // of the reference
+    SlidePatch patch;
+    std::size_t near_star;  // the triangle of the star that is likely to cover it
+    Index near_rest;        // slot of the triangle of the rest that is
+  };
+  void gather();
+  bool is_covered(Facet& facet, const std::vector<SlidePatch>& moved) const;
+  bool is_part_covered(const SlidePatch& part, const std::vector<SlidePatch>& moved, int depth) const;
+
+  const SlideReference& reference_;
+  double limit_;
+  Vec3 point_;
+  std::vector<SlidePatch> star_;
+  // Where a moved triangle was too far last time.
+  std::size_t offender_ = 0;
+  std::optional<Vec3> offence_;  // weights of its corners
+  bool is_gathered_ = false;
+  std::vector<Index> near_;
+  std::vector<Facet> facets_;  // those that the star may be near to
+  std::optional<SpatialSearch> rest_;
+};
+
+}  // namespace periost
