@@ -58,10 +58,10 @@ struct ImproveResult {
 // so.
 //
 // A function of its arguments alone, the same bits for any number of threads (one is used). Linear in
-// practice: some 10 microseconds a tetrahedron that TetGen leaves, and a millisecond a point that slides.
-// Memory: about 200 bytes a tetrahedron.
-// Errors: {kQuality, "improve.inverted"} with the place, for a tetrahedron without positive volume;
-// {kUsage, "improve.no_voxel"} for a tolerance in voxels without an image behind it; {kInterrupted}.
+// practice: some 10 microseconds a tetrahedron that TetGen leaves, and up to two milliseconds a point that
+// slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality, "improve.inverted"} with the place, for a
+// tetrahedron without positive volume; {kUsage, "improve.no_voxel"} for a tolerance in voxels without an
+// image behind it; {kInterrupted}.
 ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,
                       const Context& context);
 
