@@ -155,8 +155,15 @@ bool make_fan(const CertifiedMesh& mesh, const Proposal& proposal, Fan& fan) {
 // One overlay. The patch grows visit by visit; what each adds is looked at once.
 class FanOverlay {
  public:
-  FanOverlay(const Reference& reference, const Fan& fan, double tolerance, RingScratch& scratch)
-      : reference_(reference), fan_(fan), tolerance_(tolerance), scratch_(scratch) {}
+  FanOverlay(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal, const Fan& fan,
+             double tolerance, ForwardScratch& forward, RingScratch& scratch)
+      : reference_(reference),
+        mesh_(mesh),
+        proposal_(proposal),
+        fan_(fan),
+        tolerance_(tolerance),
+        forward_(forward),
+        scratch_(scratch) {}
 
   Answer run(Index start) {
     reset();
@@ -167,9 +174,10 @@ class FanOverlay {
     push(seed);
     for (std::size_t i = 0; i < scratch_.visits.size(); ++i) {
       if (!visit(i)) return Answer::kUnknown;
+      if (is_refuted_) return Answer::kRefuted;
     }
     if (degree_ < 1) return Answer::kUnknown;
-    return is_refuted() ? Answer::kRefuted : Answer::kProved;
+    return Answer::kProved;
   }
 
  private:
@@ -215,13 +223,15 @@ class FanOverlay {
     return number;
   }
 
-  void note(std::uint32_t cells, Planar p, double height) {
-    if (std::abs(height) <= tolerance_) return;
-    scratch_.unproved |= cells;
-    for (std::uint32_t left = cells; left != 0; left &= left - 1) {
-      auto& worst = worst_[static_cast<std::size_t>(std::countr_zero(left))];
-      if (std::abs(height) > worst.z) worst = {p.x, p.y, std::abs(height)};
+  // A corner of the overlay with these new triangles. One that is too high leaves them open, and whether they
+  // are within the tolerance all the same is asked at once: most moves that fail end here.
+  void note(std::uint32_t cells, double height) {
+    if (std::abs(height) <= tolerance_ || (cells & ~scratch_.unproved) == 0) return;
+    for (std::uint32_t left = cells & ~scratch_.unproved; left != 0 && !is_refuted_; left &= left - 1) {
+      const LinkedTriangle& cell = proposal_.cells[static_cast<std::size_t>(std::countr_zero(left))];
+      is_refuted_ = !certify_forward(reference_, dual_triangle(mesh_, proposal_, cell), tolerance_, forward_);
     }
+    scratch_.unproved |= cells;
   }
 
   // The vertex in the fan's frame, and over which new triangle it lies.
@@ -248,7 +258,7 @@ class FanOverlay {
       const std::uint32_t inside = (sides >> fan_.cell[j].a) & ~(sides >> fan_.cell[j].b) & 1u;
       if ((inside & (sides >> (fan_.spokes + j))) == 0) continue;
       foot.cell = 1u << j;
-      note(foot.cell, {q.x, q.y}, q.z - fan_.height(j, {q.x, q.y}));
+      note(foot.cell, q.z - fan_.height(j, {q.x, q.y}));
       break;
     }
     return number;
@@ -268,7 +278,7 @@ class FanOverlay {
       meets = true;
       cells |= line.cells;
       leaves = leaves || line.is_border;
-      note(line.cells, p, a.z + t * (b.z - a.z) - (line.height + w * line.rise));
+      note(line.cells, a.z + t * (b.z - a.z) - (line.height + w * line.rise));
     }
     return meets;
   }
@@ -300,7 +310,7 @@ class FanOverlay {
       const std::uint32_t all_cells = (1u << fan_.cells) - 1;
       visit.cells |= all_cells;
       visit.leaves = visit.leaves || fan_.spokes != fan_.cells;
-      note(all_cells, {0, 0}, height);
+      note(all_cells, height);
     }
     for (std::size_t i = 0; i < fan_.spokes; ++i) {
       if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i]) continue;
@@ -308,7 +318,7 @@ class FanOverlay {
       if (!height_at(f, p, height, orientation)) continue;
       visit.cells |= fan_.cells_at[i];
       visit.leaves = true;
-      note(fan_.cells_at[i], p, height - fan_.rim[i].z);
+      note(fan_.cells_at[i], height - fan_.rim[i].z);
     }
     if ((visit.cells & 1u) != 0 && height_at(f, probe_, height, orientation)) degree_ += orientation;
   }
@@ -341,36 +351,36 @@ class FanOverlay {
     return true;
   }
 
-  // Whether a point of a new triangle has no isosurface within the tolerance.
-  bool is_refuted() const {
-    for (std::uint32_t left = scratch_.unproved; left != 0; left &= left - 1) {
-      const auto j = static_cast<std::size_t>(std::countr_zero(left));
-      const Planar p{worst_[j].x, worst_[j].y};
-      const Vec3 point =
-          fan_.origin + fan_.axis_x * p.x + fan_.axis_y * p.y + fan_.axis_z * fan_.height(j, p);
-      if (!reference_.has_within(point, tolerance_)) return true;
-    }
-    return false;
-  }
-
   const Reference& reference_;
+  const CertifiedMesh& mesh_;
+  const Proposal& proposal_;
   const Fan& fan_;
   double tolerance_;
+  ForwardScratch& forward_;
   RingScratch& scratch_;
   Planar probe_{};
   int degree_ = 0;
+  bool is_refuted_ = false;
   std::uint32_t foot_count_ = 0;
-  std::array<Vec3, kMaxFan> worst_{};  // of each new triangle: where, and how high
 };
 
 }  // namespace
 
+DualTriangle dual_triangle(const CertifiedMesh& mesh, const Proposal& proposal, const LinkedTriangle& cell) {
+  DualTriangle triangle{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    triangle.corner[k] = proposal.point_of(mesh, cell.corner[k]);
+    triangle.nearest[k] = proposal.nearest_of(mesh, cell.corner[k]);
+  }
+  return triangle;
+}
+
 Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
-                    double tolerance, RingScratch& scratch) {
+                    double tolerance, ForwardScratch& forward, RingScratch& scratch) {
   Fan fan;
   if (!make_fan(mesh, proposal, fan)) return Answer::kUnknown;
   const Index start = proposal.nearest_of(mesh, apex_of(proposal));
-  return FanOverlay(reference, fan, tolerance, scratch).run(start);
+  return FanOverlay(reference, mesh, proposal, fan, tolerance, forward, scratch).run(start);
 }
 
 bool is_covered_by_ring(const Proposal& proposal, const RingScratch& scratch, Index s, ReverseProof& proof) {

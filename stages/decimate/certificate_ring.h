@@ -62,7 +62,7 @@ struct RingScratch {
   std::vector<Mark> foot_of;   // of isosurface vertices
   std::vector<Mark> visit_of;  // of isosurface triangles
   std::uint32_t tick = 0;
-  std::uint32_t unproved = 0;  // bit j: the j-th new triangle is not proved
+  std::uint32_t unproved = 0;  // bit j: the j-th new triangle is too high somewhere
 
   // Null when the overlay did not come by.
   const Foot* find_foot(Index vertex) const {
@@ -73,12 +73,15 @@ struct RingScratch {
   }
 };
 
-// kRefuted: a point of a new triangle is farther from the isosurface than the tolerance. kProved: each new
-// triangle but those in scratch.unproved is within it. kUnknown: nothing is known. `proposal` has its place
-// and place_nearest; `tolerance` in mm. Sound, not complete. Time is linear in the isosurface triangles under
-// the ring.
+// A new triangle with what is stored at its corners.
+DualTriangle dual_triangle(const CertifiedMesh& mesh, const Proposal& proposal, const LinkedTriangle& cell);
+
+// kProved: all new triangles are within the tolerance of the isosurface; those in scratch.unproved not by
+// their heights but by certify_forward, which is asked of each that is too high somewhere. kRefuted: it could
+// not prove one. kUnknown: the overlay cannot be made. `proposal` has its place and place_nearest;
+// `tolerance` in mm. Sound, not complete. Time is linear in the isosurface triangles under the ring.
 Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
-                    double tolerance, RingScratch& scratch);
+                    double tolerance, ForwardScratch& forward, RingScratch& scratch);
 
 // After kProved: whether the overlay proves that isosurface triangle `s` is within the tolerance of at most
 // four new triangles; these are written to `proof`.

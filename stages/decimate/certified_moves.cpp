@@ -55,21 +55,14 @@ bool locate(const CertifiedState& state, const Worker& worker, Proposal& proposa
   return proposal.place_nearest != kNoIndex;
 }
 
-// By the overlay of the whole ring; what that leaves open, triangle by triangle.
+// By the overlay of the whole ring or, where that cannot be made, triangle by triangle.
 bool is_forward_certified(const CertifiedState& state, Worker& worker, Answer ring) {
-  if (ring == Answer::kRefuted) return false;
+  if (ring != Answer::kUnknown) return ring == Answer::kProved;
   const Proposal& proposal = worker.proposal;
-  for (std::size_t j = 0; j < proposal.cells.size(); ++j) {
-    if (ring == Answer::kProved && (worker.ring.unproved >> j & 1u) == 0) continue;
-    const LinkedTriangle& cell = proposal.cells[j];
-    DualTriangle triangle{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangle.corner[k] = proposal.point_of(state.mesh, cell.corner[k]);
-      triangle.nearest[k] = proposal.nearest_of(state.mesh, cell.corner[k]);
-    }
-    if (!certify_forward(state.reference, triangle, state.tolerance, worker.forward)) return false;
-  }
-  return true;
+  return std::all_of(proposal.cells.begin(), proposal.cells.end(), [&](const LinkedTriangle& cell) {
+    return certify_forward(state.reference, dual_triangle(state.mesh, proposal, cell), state.tolerance,
+                           worker.forward);
+  });
 }
 
 // All criteria but link, topology and angles, cheap ones first.
@@ -80,7 +73,10 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
   if (!meets_sizes(state.sizes, state.mesh, proposal)) return Refusal::kSize;
   if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
   if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
-  const Answer ring = certify_ring(state.reference, state.mesh, proposal, state.tolerance, worker.ring);
+  // Most moves that mend angles are refused, and what is refused triangle by triangle is so sooner.
+  const Answer ring = mends_angles ? Answer::kUnknown
+                                   : certify_ring(state.reference, state.mesh, proposal, state.tolerance,
+                                                  worker.forward, worker.ring);
   if (!is_forward_certified(state, worker, ring)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
