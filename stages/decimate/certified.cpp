@@ -12,6 +12,7 @@
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/simplex_dual.h"
+#include "stages/decimate/certified_contour_moves.h"
 #include "stages/decimate/certified_deform.h"
 #include "stages/decimate/certified_passes.h"
 #include "stages/decimate/certified_regions.h"
@@ -91,11 +92,14 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
   }
   const double tolerance = tolerance_mm(isosurface, options) * (1 - kRounding);
   mesh.least_step = kNoticedStep * tolerance;
+  CertifiedContours contours = make_contours(reference, mesh);
+  std::vector<Quadric> quadrics = make_quadrics(reference);
+  add_contour_quadrics(reference, mesh, quadrics);
   SheetGrid sheets(reference, mesh, kSheetSide);
   return {reference,
           std::move(mesh),
           std::move(proofs),
-          make_quadrics(reference),
+          std::move(quadrics),
           std::move(sheets),
           make_size_limits(isosurface, reference, options, context),
           tolerance,
@@ -103,7 +107,8 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
           std::vector<std::uint32_t>(3 * reference.triangles.size(), 0),
           std::vector<std::uint32_t>(reference.triangles.size(), 0),
           std::vector<std::uint32_t>(reference.points.size(), 0),
-          std::vector<std::uint8_t>(reference.points.size(), 0)};
+          std::vector<std::uint8_t>(reference.points.size(), 0),
+          std::move(contours)};
 }
 
 GuardLimits limits_of(const DecimateOptions& options) {
@@ -146,6 +151,7 @@ class Schedule {
     deform();
     sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
       angle_pass(state, worker, vertices, worker.limits.min_angle);
+      contour_pass(state, worker, vertices, worker.limits.min_angle);
       fit_pass(state, worker, vertices);
     });
     sweep(0, swap_pass);
@@ -204,6 +210,7 @@ class Schedule {
     relocation_pass(state, worker, vertices);
     fit_pass(state, worker, vertices);
     angle_pass(state, worker, vertices, kAim * worker.limits.min_angle);
+    contour_pass(state, worker, vertices, kAim * worker.limits.min_angle);
   }
 
   // How many removals there may still be before the surface has no more triangles than asked.

@@ -37,8 +37,16 @@
 // pass by the topological and barycentric criteria. |D| may exceed T by 3 while edges are removed; swaps
 // bring it down at the end where the other criteria allow.
 //
-// Contours of an open isosurface are kept as they are. Components of fewer than `small_triangles` triangles
-// are treated like others, or dropped on request.
+// Contours of an open isosurface are decimated within the same tolerance. Invariant C: the isosurface's
+// contour is shared out between the output's contour edges, each of which lies within the tolerance of its
+// share in the sense of Frechet; it holds at the start, and a move that changes contour edges proves it for
+// the new ones (certified_contours.h). So contours do not recede or stray by more than the tolerance, on
+// either side. What lies on a border plane of the image stays on it, what lies on two stays where it is, and
+// inner vertices do not come to these planes. F and R are as before, near contours too: an overlay that meets
+// a contour proves nothing, and bisection decides. Every removal at a contour meets the link condition there
+// (certified_contour_moves.h), so contours keep their number.
+//
+// Components of fewer than `small_triangles` triangles are treated like others, or dropped on request.
 #include "pipeline/base/context.h"
 #include "pipeline/data/isosurface.h"
 #include "pipeline/data/simplex_mesh.h"

@@ -123,7 +123,7 @@ void collect_valence_neighbours(const CertifiedMesh& mesh, const Proposal& propo
                                 FixedList<Index, 4 * kMaxStar>& found) {
   Star star;
   for (const auto& change : proposal.valence_changes) {
-    if (change.vertex == proposal.moved || !gather_star(mesh, change.vertex, star)) continue;
+    if (change.vertex == proposal.moved || !gather_ring(mesh, change.vertex, star)) continue;
     for (const Index t : star.triangle) {
       if (!proposal.before.contains(t) && !found.contains(t)) found.push_back(t);
     }

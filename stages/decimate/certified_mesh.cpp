@@ -59,6 +59,32 @@ void reset(Proposal& proposal, MoveKind kind) {
   proposal.moved = proposal.removed = kNoIndex;
 }
 
+// Makes the first triangle of a contour point's fan its incident one.
+void rewind(CertifiedMesh& mesh, Index vertex) {
+  const Index start = mesh.incident[vertex];
+  for (Index t = start;;) {
+    mesh.incident[vertex] = t;
+    const LinkedTriangle& triangle = mesh.triangles[t];
+    t = triangle.across[(triangle.slot_of(vertex) + 2) % 3];
+    if (t == kNoIndex || t == start) return;
+  }
+}
+
+// Fans and valences of contour points; one with more triangles than its fan has joins several, and is locked.
+void prepare_contours(CertifiedMesh& mesh) {
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (!mesh.is_on_contour(v)) continue;
+    rewind(mesh, v);
+    std::size_t fan = 0;
+    for (Index t = mesh.incident[v]; t != kNoIndex; ++fan) {
+      const LinkedTriangle& triangle = mesh.triangles[t];
+      t = triangle.across[(triangle.slot_of(v) + 1) % 3];
+    }
+    if (fan != mesh.valence[v]) mesh.is_locked[v] = 1;
+    mesh.valence[v] = static_cast<std::uint8_t>(std::min(255, mesh.valence[v] + 3));
+  }
+}
+
 }  // namespace
 
 CertifiedMesh make_certified_mesh(const Reference& reference) {
@@ -70,6 +96,10 @@ CertifiedMesh make_certified_mesh(const Reference& reference) {
   mesh.valence.assign(count, 0);
   mesh.is_locked.assign(count, 0);
   mesh.version.assign(count, 1);
+  const bool is_open = std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [](const LinkedTriangle& t) {
+    return t.across[0] == kNoIndex || t.across[1] == kNoIndex || t.across[2] == kNoIndex;
+  });
+  if (is_open) mesh.contour.assign(count, kOffContour);
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
     const auto& triangle = mesh.triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -77,12 +107,21 @@ CertifiedMesh make_certified_mesh(const Reference& reference) {
       if (mesh.nearest[v] == kNoIndex) mesh.nearest[v] = t;
       if (mesh.valence[v] < 255) ++mesh.valence[v];
       if (triangle.across[k] != kNoIndex) continue;
-      mesh.is_locked[triangle.corner[(k + 1) % 3]] = 1;
-      mesh.is_locked[triangle.corner[(k + 2) % 3]] = 1;
+      mesh.contour[triangle.corner[(k + 1) % 3]] = kOnContour;
+      mesh.contour[triangle.corner[(k + 2) % 3]] = kOnContour;
     }
   }
   mesh.incident = mesh.nearest;
+  if (is_open) prepare_contours(mesh);
   return mesh;
+}
+
+bool gather_ring(const CertifiedMesh& mesh, Index vertex, Star& ring) {
+  if (gather_star(mesh, vertex, ring)) return true;
+  if (!mesh.is_on_contour(vertex) || ring.link.is_full()) return false;
+  const LinkedTriangle& last = mesh.triangles[ring.triangle[ring.triangle.size() - 1]];
+  ring.link.push_back(last.corner[(last.slot_of(vertex) + 2) % 3]);
+  return true;
 }
 
 bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star) {
@@ -147,7 +186,7 @@ bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Prop
   if (a == b || mesh.is_locked[u] || mesh.is_locked[v] || mesh.is_locked[a] || mesh.is_locked[b])
     return false;
   Star star;
-  if (!gather_star(mesh, a, star) || star.link.contains(b)) return false;
+  if (!gather_ring(mesh, a, star) || star.link.contains(b)) return false;
   for (const Index t : {triangle, other}) {
     proposal.before.push_back(t);
     proposal.after.push_back(t);
@@ -217,7 +256,10 @@ void apply(const Proposal& proposal, CertifiedMesh& mesh) {
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
     const LinkedTriangle& cell = proposal.cells[i];
     for (std::size_t k = 0; k < 3; ++k) {
-      if (proposal.before.contains(cell.across[k]) || proposal.after.contains(cell.across[k])) continue;
+      if (cell.across[k] == kNoIndex || proposal.before.contains(cell.across[k]) ||
+          proposal.after.contains(cell.across[k])) {
+        continue;
+      }
       LinkedTriangle& outer = mesh.triangles[cell.across[k]];
       const std::size_t p = outer.slot_of(cell.corner[(k + 1) % 3]),
                         q = outer.slot_of(cell.corner[(k + 2) % 3]);
@@ -231,6 +273,14 @@ void apply(const Proposal& proposal, CertifiedMesh& mesh) {
     for (const Index v : proposal.rim) ++mesh.version[v];
   }
   if (proposal.removed != kNoIndex) mesh.incident[proposal.removed] = kNoIndex;
+  if (!mesh.contour.empty()) {
+    if (proposal.removed != kNoIndex) mesh.contour[proposal.removed] = kOffContour;
+    for (const LinkedTriangle& cell : proposal.cells) {
+      for (const Index v : cell.corner) {
+        if (mesh.is_on_contour(v)) rewind(mesh, v);
+      }
+    }
+  }
   if (proposal.moved != kNoIndex) {
     const double step = distance(mesh.points[proposal.moved], proposal.place);
     if (proposal.kind != MoveKind::kRelocation || step > mesh.least_step) ++mesh.version[proposal.moved];

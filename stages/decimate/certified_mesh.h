@@ -10,20 +10,28 @@
 
 namespace periost {
 
+// Where a point stands: not on a contour, on one that it may move along, or on one where it stays.
+inline constexpr std::uint8_t kOffContour = 0, kOnContour = 1, kPinned = 2;
+
 struct CertifiedMesh {
   std::vector<LinkedTriangle> triangles;  // simplex vertices; corner[0] == kNoIndex when removed
   std::vector<Vec3> points;               // dual vertices: one per simplex face
   std::vector<Index> nearest;             // of points: the isosurface triangle near it
-  std::vector<Index> incident;            // of points: one triangle, kNoIndex when removed
-  std::vector<std::uint8_t> valence;      // of points: simplex vertices of the face, 255 when more
-  std::vector<std::uint8_t> is_locked;    // of points: contours, small components, borders of a region
+  // Of points: one triangle, on a contour the first one counter-clockwise; kNoIndex when removed.
+  std::vector<Index> incident;
+  // Of points: triangles there, 255 when more. On a contour three more, so that six is straight on there too.
+  std::vector<std::uint8_t> valence;
+  std::vector<std::uint8_t> is_locked;  // of points: borders of a region, and what cannot be decimated
+  std::vector<std::uint8_t> contour;    // of points: kOffContour .. kPinned; empty for a closed surface
   // Of points: raised when a triangle at it is replaced, or when it moves by more than the least step (mm)
   // that gives moves refused before a new chance.
   std::vector<std::uint32_t> version;
   double least_step = 0;
+
+  bool is_on_contour(Index v) const { return !contour.empty() && contour[v] != kOffContour; }
 };
 
-// The mesh that is the isosurface itself; distance 0 everywhere. Contour points are locked.
+// The mesh that is the isosurface itself; distance 0 everywhere. A point where contours touch is locked.
 CertifiedMesh make_certified_mesh(const Reference& reference);
 
 // A list of fixed capacity on the stack.
@@ -63,6 +71,9 @@ struct Star {
 };
 // False at a contour, or when the star is too large.
 bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star);
+// At a contour too: the link then has one vertex more than there are triangles; its first follows the vertex
+// along the contour (surface on the left), its last precedes it. False only when the star is too large.
+bool gather_ring(const CertifiedMesh& mesh, Index vertex, Star& ring);
 
 enum class MoveKind { kRemoval, kSwap, kRelocation, kInsertion };
 
@@ -117,7 +128,8 @@ inline std::array<Vec3, 3> corners_after(const CertifiedMesh& mesh, const Propos
 }
 
 // Each describes a move without its place; false when the result would not be a simplicial manifold (the
-// link condition), or when a vertex of it is locked or on a contour.
+// link condition), or when a vertex of it is locked. Neither end of a removed edge may lie on a contour, nor
+// may a vertex that is relocated: certified_contour_moves.h has those.
 // T1^2: the edge of triangle t opposite to corner k is contracted, in the dual; its two faces become one.
 bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
 // T7^2: that edge is flipped, in the dual.

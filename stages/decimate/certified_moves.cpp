@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "stages/decimate/certified_contour_moves.h"
 #include "stages/decimate/certified_seek.h"
 
 namespace periost {
@@ -39,10 +40,13 @@ void collect_around(const CertifiedMesh& mesh, const Proposal& proposal, SheetSc
   }
 }
 
-bool is_in_region(const CertifiedState& state, const Worker& worker, Vec3 place) {
+// Inner vertices do not come to border planes where contours are.
+bool is_in_region(const CertifiedState& state, const Worker& worker, Vec3 place, bool is_on_contour) {
   const Vec3 q = state.reference.frame().to_index(place);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(q[axis] > worker.region_lo[axis] && q[axis] < worker.region_hi[axis])) return false;
+    if (is_on_contour) continue;
+    if (!(q[axis] > state.contours.lo[axis] && q[axis] < state.contours.hi[axis])) return false;
   }
   return true;
 }
@@ -50,7 +54,9 @@ bool is_in_region(const CertifiedState& state, const Worker& worker, Vec3 place)
 // Finds the isosurface triangle at the moved vertex; false when there is none within the tolerance.
 bool locate(const CertifiedState& state, const Worker& worker, Proposal& proposal, Vec3 facing) {
   if (proposal.moved == kNoIndex) return true;
-  if (!is_finite(proposal.place) || !is_in_region(state, worker, proposal.place)) return false;
+  if (!is_finite(proposal.place) ||
+      !is_in_region(state, worker, proposal.place, state.mesh.is_on_contour(proposal.moved)))
+    return false;
   proposal.place_nearest = state.reference.nearest(proposal.place, state.tolerance, facing).triangle;
   return proposal.place_nearest != kNoIndex;
 }
@@ -165,6 +171,22 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
 
 }  // namespace
 
+Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
+  return check_removal(state, worker, facing, gain);
+}
+
+void commit_move(CertifiedState& state, Worker& worker) {
+  commit(state, worker);
+}
+
+bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex) {
+  return refuse(state, worker, refusal, vertex);
+}
+
+double least_angle_gain(const GuardLimits& limits) {
+  return least_gain(limits);
+}
+
 MoveCounts& MoveCounts::operator+=(const MoveCounts& other) {
   removals += other.removals;
   insertions += other.insertions;
@@ -183,6 +205,7 @@ int topological_difference(const CertifiedMesh& mesh, Index t, std::size_t k) {
 }
 
 double removal_cost(const CertifiedState& state, Index u, Index v) {
+  if (state.mesh.is_on_contour(u) || state.mesh.is_on_contour(v)) return contour_removal_cost(state, u, v);
   Quadric quadric = state.quadrics[u];
   quadric += state.quadrics[v];
   const Vec3 origin = state.reference.points[0];
@@ -192,6 +215,7 @@ double removal_cost(const CertifiedState& state, Index u, Index v) {
 }
 
 bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) {
+  if (touches_contour(state.mesh, t, k)) return try_contour_removal(state, worker, t, k, false);
   const LinkedTriangle& cell = state.mesh.triangles[t];
   const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
   Proposal& proposal = worker.proposal;
@@ -216,6 +240,7 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
 }
 
 bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) {
+  if (touches_contour(state.mesh, t, k)) return try_contour_removal(state, worker, t, k, true);
   Proposal& proposal = worker.proposal;
   if (!propose_removal(state.mesh, t, k, proposal)) return false;
   const Vec3 a = state.mesh.points[proposal.moved], b = state.mesh.points[proposal.removed];
@@ -291,6 +316,9 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
 }
 
 bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 place, bool improve_angles) {
+  if (state.mesh.is_on_contour(vertex)) {
+    return try_contour_relocation(state, worker, vertex, place, improve_angles);
+  }
   Proposal& proposal = worker.proposal;
   if (!propose_relocation(state.mesh, vertex, proposal)) return false;
   proposal.place = place;

@@ -8,6 +8,7 @@
 
 #include "stages/decimate/certificate_forward.h"
 #include "stages/decimate/certificate_reverse.h"
+#include "stages/decimate/certified_contours.h"
 #include "stages/decimate/certified_guard.h"
 #include "stages/decimate/certified_place.h"
 #include "stages/decimate/certified_sheets.h"
@@ -31,6 +32,7 @@ struct CertifiedState {
   std::vector<std::uint32_t> unmended;   // of triangles
   std::vector<std::uint32_t> settled;    // relocations, of points
   std::vector<std::uint8_t> blocked_by;  // of points: the last Refusal there
+  CertifiedContours contours;
 };
 
 struct MoveCounts {
@@ -76,6 +78,15 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
 // Inserts a dual vertex on that edge, at its middle or a little off it; the sum of angle deficits must fall.
 // Takes its ids from worker.dead_*; false when there are none.
 bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k);
+
+// Steps that moves share. `check_move`: all criteria but link and angles on worker.proposal, whose sum of
+// angle deficits falls by `gain`; `facing`: a direction that the isosurface at the place faces. `commit_move`
+// applies what it accepted. `refuse_move` counts a refusal at a vertex and returns false.
+Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain);
+void commit_move(CertifiedState& state, Worker& worker);
+bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex);
+// Smaller falls of the sum of angle deficits do not count.
+double least_angle_gain(const GuardLimits& limits);
 
 // D of the edge of triangle t opposite to corner k. Precondition: not on a contour.
 int topological_difference(const CertifiedMesh& mesh, Index t, std::size_t k);

@@ -46,6 +46,15 @@ void for_free_vertices(const CertifiedMesh& mesh, const VertexList& vertices, Vi
   }
 }
 
+// Likewise for each free vertex, those on contours too.
+template <class Visit>
+void for_free_rings(const CertifiedMesh& mesh, const VertexList& vertices, Visit&& visit) {
+  Star ring;
+  for (const Index v : vertices) {
+    if (is_free(mesh, v) && gather_ring(mesh, v, ring)) visit(v, ring);
+  }
+}
+
 // Changes when anything at a vertex or its link does, locks included.
 std::uint32_t signature_of(const CertifiedMesh& mesh, Index v, const Star& star) {
   constexpr std::uint32_t kPerLock = 0x9E3779B9;
@@ -59,7 +68,7 @@ std::uint32_t signature_of(const CertifiedMesh& mesh, Index t) {
   std::uint32_t sum = 0;
   Star star;
   for (const Index v : mesh.triangles[t].corner) {
-    if (gather_star(mesh, v, star)) sum += signature_of(mesh, v, star);
+    if (gather_ring(mesh, v, star)) sum += signature_of(mesh, v, star);
   }
   return sum;
 }
@@ -85,7 +94,7 @@ class RemovalQueue {
       candidate = heap_.back();
       heap_.pop_back();
       if (!is_alive(state_.mesh, candidate.u) || !is_alive(state_.mesh, candidate.v)) continue;
-      if (!gather_star(state_.mesh, candidate.u, star)) continue;
+      if (!gather_ring(state_.mesh, candidate.u, star)) continue;
       for (spoke = 0; spoke < star.link.size() && star.link[spoke] != candidate.v; ++spoke) {
       }
       if (spoke < star.link.size() && removal_cost(state_, candidate.u, candidate.v) == candidate.cost) {
@@ -97,7 +106,7 @@ class RemovalQueue {
 
  private:
   void add_edges_of(Index u, bool only_smaller_end) {
-    if (!gather_star(state_.mesh, u, star_)) return;
+    if (!gather_ring(state_.mesh, u, star_)) return;
     for (const Index v : star_.link) {
       const Index lower = std::min(u, v), upper = std::max(u, v);
       if ((only_smaller_end && v < u) || lower < first_ || lower > last_) continue;
@@ -116,10 +125,16 @@ class RemovalQueue {
   Star star_;
 };
 
-// The edge from a star's centre to link[spoke], as the triangle and the corner opposite to it.
-std::size_t slot_opposite(const CertifiedMesh& mesh, const Star& star, std::size_t spoke) {
-  const LinkedTriangle& triangle = mesh.triangles[star.triangle[spoke]];
-  return triangle.slot_of(star.link[(spoke + 1) % star.link.size()]);
+// The edge from a ring's centre to link[spoke], as the triangle and the corner opposite to it.
+struct EdgeOfTriangle {
+  Index triangle;
+  std::size_t slot;
+};
+EdgeOfTriangle edge_at(const CertifiedMesh& mesh, const Star& ring, std::size_t spoke) {
+  const bool is_last = spoke == ring.triangle.size();  // at a contour only
+  const Index t = ring.triangle[is_last ? spoke - 1 : spoke];
+  const Index opposite = ring.link[is_last ? spoke - 1 : (spoke + 1) % ring.link.size()];
+  return {t, mesh.triangles[t].slot_of(opposite)};
 }
 
 // Swaps one edge with D > 2 among those of the star's triangles.
@@ -320,10 +335,11 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
     }
     RemovalQueue queue(state, begin, stop, limit);
     while (worker.quota > 0 && queue.pop(candidate, star, spoke)) {
-      if (!try_removal(state, worker, star.triangle[spoke], slot_opposite(state.mesh, star, spoke))) continue;
+      const EdgeOfTriangle edge = edge_at(state.mesh, star, spoke);
+      if (!try_removal(state, worker, edge.triangle, edge.slot)) continue;
       --worker.quota;
       const Index merged = worker.proposal.moved;
-      for (int round = 0; round < kSwapRounds && gather_star(state.mesh, merged, star); ++round) {
+      for (int round = 0; round < kSwapRounds && gather_ring(state.mesh, merged, star); ++round) {
         if (!swap_one(state, worker, star)) break;
       }
       queue.push_edges_of(merged);
@@ -333,7 +349,7 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
 }
 
 void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
-  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) { swap_one(state, worker, star); });
+  for_free_rings(state.mesh, vertices, [&](Index, const Star& ring) { swap_one(state, worker, ring); });
 }
 
 void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
@@ -369,7 +385,7 @@ void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices)
 
 void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double aim) {
   const double limit = std::exchange(worker.limits.min_angle, aim);
-  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
+  for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
       if (!has_angle_under(state, t, aim)) continue;
       const std::uint32_t signature = signature_of(state.mesh, t);
@@ -399,7 +415,7 @@ void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertic
   worker.limits.fold_cosine = kSliverFoldCosine;
   worker.limits.min_valence = 3;
   const bool can_insert = !worker.dead_points.empty();
-  for_free_vertices(state.mesh, vertices, [&](Index, const Star& star) {
+  for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
       if (!has_angle_under(state, t, worker.limits.min_angle)) continue;
       const std::uint32_t signature = signature_of(state.mesh, t);

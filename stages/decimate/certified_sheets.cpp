@@ -252,7 +252,11 @@ bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal
 
 bool SheetGrid::would_intersect(const CertifiedMesh& mesh, const Proposal& proposal,
                                 const std::vector<Index>& around, SheetScratch& scratch) {
-  if (!is_height_field(mesh, proposal, around) && meets_neighbours(mesh, proposal, around)) return true;
+  // A disc with a contour in it can lie on itself though all its normals are alike.
+  const bool is_open =
+      std::any_of(proposal.rim.begin(), proposal.rim.end(), [&](Index v) { return mesh.is_on_contour(v); });
+  if ((is_open || !is_height_field(mesh, proposal, around)) && meets_neighbours(mesh, proposal, around))
+    return true;
   return meets_sheets(mesh, proposal, scratch);
 }
 

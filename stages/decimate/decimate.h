@@ -52,7 +52,7 @@ struct DecimateOptions {
 
 // The decimated model: every component of `isosurface` by itself, its Euler number unchanged, no dead
 // elements, the report filled in. Dual positions are the triangulation's vertices. An open surface keeps its
-// contours: those on the image border stay on their planes (`paper` decimates them too). Deterministic: a
+// contours, with fewer edges: those on the image border stay on their planes. Deterministic: a
 // function of the arguments and context.seed only, whatever context.threads. Throws Error{kQuality,
 // "surface.not_manifold"} with the place; {kUsage, "decimate.no_voxel"} when
 // `distance` is in voxels and nothing has any; {kInterrupted}.

@@ -238,7 +238,7 @@ TEST(Certified, WithoutReverseOnlyTheForwardDistanceHolds) {
   EXPECT_LE(distances(result, isosurface).first, tolerance);
 }
 
-TEST(Certified, ContoursOfAnOpenSurfaceStay) {
+TEST(Certified, DecimatesTheRaggedContourOfAHole) {
   Isosurface isosurface = shapes::ellipsoid();
   auto& triangles = isosurface.surface.triangles;
   const Vec3 centre = isosurface.surface.points[triangles[triangles.size() / 2][0]];
@@ -249,9 +249,14 @@ TEST(Certified, ContoursOfAnOpenSurfaceStay) {
   if (!before.is_manifold()) GTEST_SKIP() << "the cut is pinched";
   const SurfaceMesh result = decimated(isosurface, {});
   const Topology after = examine_topology(result);
-  EXPECT_EQ(after.violations(Violation::kBoundaryEdge), before.violations(Violation::kBoundaryEdge));
+  EXPECT_TRUE(after.is_manifold());
+  EXPECT_LT(after.violations(Violation::kBoundaryEdge), before.violations(Violation::kBoundaryEdge));
+  EXPECT_GT(after.violations(Violation::kBoundaryEdge), 2u);
   EXPECT_EQ(after.euler, before.euler);
   EXPECT_LT(result.triangles.size(), triangles.size() / 2);
+  const auto [forward, backward] = distances(result, isosurface);
+  EXPECT_LE(forward, 0.3 * isosurface.frame.largest_spacing());
+  EXPECT_LE(backward, 0.3 * isosurface.frame.largest_spacing());
 }
 
 }  // namespace
