@@ -100,13 +100,13 @@ void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_co
   }
 }
 
-Reference::Reference(const Isosurface& isosurface)
+Reference::Reference(const Isosurface& isosurface, std::vector<Index>* order)
     : voxel_mm(isosurface.frame.largest_spacing()), frame_(isosurface.frame) {
-  renumber(isosurface.surface);
+  renumber(isosurface.surface, order);
   link();
 }
 
-void Reference::renumber(const SurfaceMesh& surface) {
+void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers) {
   const std::size_t count = surface.triangles.size();
   std::vector<std::array<std::int32_t, 3>> cell(count);
   std::array<std::int32_t, 3> lo, hi;
@@ -156,6 +156,7 @@ void Reference::renumber(const SurfaceMesh& surface) {
     triangles.push_back(triangle);
   }
   build_blocks(sorted_codes);
+  if (numbers) *numbers = order;
 }
 
 void Reference::build_blocks(const std::vector<std::uint64_t>& codes) {

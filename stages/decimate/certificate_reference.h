@@ -26,7 +26,8 @@ class Reference {
  public:
   // Preconditions: the surface is an oriented manifold without isolated points or degenerate triangles;
   // frame.spacing is positive. O(n log n). Throws Error{kQuality} when an edge has more than two triangles.
-  explicit Reference(const Isosurface& isosurface);
+  // `order`, when given, receives the isosurface's own number of each triangle.
+  explicit Reference(const Isosurface& isosurface, std::vector<Index>* order = nullptr);
 
   std::vector<Vec3> points;               // LPS mm, Morton order
   std::vector<LinkedTriangle> triangles;  // sorted by cell
@@ -59,7 +60,7 @@ class Reference {
     std::array<std::int32_t, 3> lo, hi;  // inclusive
   };
 
-  void renumber(const SurfaceMesh& surface);
+  void renumber(const SurfaceMesh& surface, std::vector<Index>* numbers);
   void link();
   void build_blocks(const std::vector<std::uint64_t>& codes);
   CellRange cells_around(Vec3 point, double radius) const;

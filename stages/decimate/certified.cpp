@@ -15,6 +15,7 @@
 #include "stages/decimate/certified_contour_moves.h"
 #include "stages/decimate/certified_deform.h"
 #include "stages/decimate/certified_passes.h"
+#include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/certified_regions.h"
 
 namespace periost {
@@ -322,17 +323,33 @@ void require_no_intersection(const SurfaceMesh& result, const Isosurface& isosur
 
 }  // namespace
 
+CertifiedState make_certified_state(const Reference& reference, const Isosurface& isosurface,
+                                    const DecimateOptions& options, const Context& context) {
+  return make_state(reference, isosurface, options, context);
+}
+
+MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options,
+                                  const Context& context) {
+  Schedule schedule(state, options, context);
+  schedule.run();
+  return schedule.counts();
+}
+
+SimplexMesh finish_certified(const SurfaceMesh& surface, const MoveCounts& counts,
+                             const Isosurface& isosurface, const DecimateOptions& options,
+                             const Context& context) {
+  require_no_intersection(surface, isosurface, context);
+  SimplexMesh mesh = dual_simplex_mesh(surface);
+  mesh.report = make_report(counts, isosurface, options, surface.triangles.size());
+  return mesh;
+}
+
 SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptions& options,
                                Context& context) {
   const Reference reference(isosurface);
   CertifiedState state = make_state(reference, isosurface, options, context);
-  Schedule schedule(state, options, context);
-  schedule.run();
-  const SurfaceMesh surface = extract_surface(state);
-  require_no_intersection(surface, isosurface, context);
-  SimplexMesh mesh = dual_simplex_mesh(surface);
-  mesh.report = make_report(schedule.counts(), isosurface, options, surface.triangles.size());
-  return mesh;
+  const MoveCounts counts = run_certified_schedule(state, options, context);
+  return finish_certified(extract_surface(state), counts, isosurface, options, context);
 }
 
 }  // namespace periost

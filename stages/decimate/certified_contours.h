@@ -27,8 +27,9 @@ struct CertifiedContours {
   std::vector<std::vector<Vec3>> loops;  // of the isosurface, mm; the surface is on the left
   std::vector<Index> slot;               // of points: position in `stations`, kNoIndex off contours
   std::vector<ContourStation> stations;
-  Vec3 lo{-1e300, -1e300, -1e300},
-      hi{1e300, 1e300, 1e300};  // of the index space: border planes with contours
+  // Bounds in the image's index space: of inner vertices, by border planes with contours; and of vertices on
+  // contours, by cuts where the isosurface is a piece.
+  Vec3 lo{-1e300, -1e300, -1e300}, hi{1e300, 1e300, 1e300}, cut_lo = lo, cut_hi = hi;
 
   bool empty() const { return loops.empty(); }
   const ContourStation& of(Index v) const { return stations[slot[v]]; }

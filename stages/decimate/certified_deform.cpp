@@ -4,6 +4,7 @@
 
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/simplex_geometry.h"
+#include "stages/decimate/certified_contour_deform.h"
 
 namespace periost {
 namespace {
@@ -131,6 +132,7 @@ std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOpt
     }
   });
   std::vector<Vec3> places = mesh.points;
+  deform_contours(state, options, motion.previous, places);
   parallel_blocks(context, places.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     Star star;
     for (std::size_t v = begin; v < end; ++v) {

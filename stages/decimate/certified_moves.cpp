@@ -40,13 +40,16 @@ void collect_around(const CertifiedMesh& mesh, const Proposal& proposal, SheetSc
   }
 }
 
-// Inner vertices do not come to border planes where contours are.
+// Inner vertices do not come to border planes where contours are, nor any to the planes of a cut.
 bool is_in_region(const CertifiedState& state, const Worker& worker, Vec3 place, bool is_on_contour) {
   const Vec3 q = state.reference.frame().to_index(place);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(q[axis] > worker.region_lo[axis] && q[axis] < worker.region_hi[axis])) return false;
-    if (is_on_contour) continue;
-    if (!(q[axis] > state.contours.lo[axis] && q[axis] < state.contours.hi[axis])) return false;
+    const CertifiedContours& contours = state.contours;
+    if (is_on_contour ? !(q[axis] > contours.cut_lo[axis] && q[axis] < contours.cut_hi[axis])
+                      : !(q[axis] > contours.lo[axis] && q[axis] < contours.hi[axis])) {
+      return false;
+    }
   }
   return true;
 }

@@ -7,8 +7,8 @@
 namespace periost {
 namespace {
 
-constexpr double kMargin = 1e-3;    // voxels from a plane at which a vertex counts as on it
-constexpr double kLeastExtent = 8;  // cells across a region that may be cut
+constexpr double kRegionMargin = 1e-3;  // voxels from a plane at which a vertex counts as on it
+constexpr double kLeastExtent = 8;      // cells across a region that may be cut
 constexpr std::uint8_t kRegionLock = 2;
 constexpr std::array<double, 4> kShare{0.5, 0.36, 0.64, 0.43};  // of the vertices before the plane, by turn
 
@@ -46,8 +46,8 @@ void cut(const std::vector<Vec3>& place, double side, double share, std::size_t 
     return;
   }
   Region below{region.lo, region.hi, {}}, above{region.lo, region.hi, {}};
-  below.hi[axis] = plane - kMargin;
-  above.lo[axis] = plane + kMargin;
+  below.hi[axis] = plane - kRegionMargin;
+  above.lo[axis] = plane + kRegionMargin;
   for (const Index v : region.vertices) (place[v][axis] < plane ? below : above).vertices.push_back(v);
   region.vertices.clear();
   region.vertices.shrink_to_fit();

@@ -14,7 +14,7 @@ constexpr float kNoLimit = std::numeric_limits<float>::max();
 constexpr double kThickVoxels = 20;  // sheets further apart than this are not thin
 constexpr double kOff = 1e-6;        // voxels off a triangle, where the search for the next sheet begins
 constexpr std::size_t kTrianglesPerTask = 4096;
-constexpr double kSlack = 1e-9;  // sums that differ by rounding count as equal
+constexpr double kSizeSlack = 1e-9;  // sums that differ by rounding count as equal
 
 // Distance from a triangle to the next sheet that faces the other way; nothing when it is not thin there.
 std::optional<double> thickness_at(const Isosurface& isosurface, Vec3 centroid, Vec3 normal, double voxel) {
@@ -41,7 +41,7 @@ double excess_of_edges(const SizeLimits& limits, const std::array<Vec3, 3>& c,
   return sum;
 }
 
-double longest_edge(const std::array<Vec3, 3>& c) {
+double longest_side(const std::array<Vec3, 3>& c) {
   return std::max({distance(c[0], c[1]), distance(c[1], c[2]), distance(c[2], c[0])});
 }
 
@@ -63,28 +63,28 @@ bool meets_longest_edge(const SizeLimits& limits, const CertifiedMesh& mesh, con
     before += excess_of_edges(limits, corners_now(mesh, t),
                               {mesh.nearest[c[0]], mesh.nearest[c[1]], mesh.nearest[c[2]]});
   }
-  return after <= before + kSlack;
+  return after <= before + kSizeSlack;
 }
 
 bool meets_grading(const SizeLimits& limits, const CertifiedMesh& mesh, const Proposal& proposal) {
   double before = 0, after = 0;
   for (const LinkedTriangle& cell : proposal.cells) {
-    const double size = longest_edge(corners_after(mesh, proposal, cell));
+    const double size = longest_side(corners_after(mesh, proposal, cell));
     for (const Index t : cell.across) {
       if (t == kNoIndex) continue;
       const LinkedTriangle& other = proposal.cell_of(mesh, t);
-      after += excess_of_ratio(size, longest_edge(corners_after(mesh, proposal, other)), limits.grading);
+      after += excess_of_ratio(size, longest_side(corners_after(mesh, proposal, other)), limits.grading);
     }
   }
   if (after == 0) return true;
   for (const Index t : proposal.before) {
-    const double size = longest_edge(corners_now(mesh, t));
+    const double size = longest_side(corners_now(mesh, t));
     for (const Index other : mesh.triangles[t].across) {
       if (other != kNoIndex)
-        before += excess_of_ratio(size, longest_edge(corners_now(mesh, other)), limits.grading);
+        before += excess_of_ratio(size, longest_side(corners_now(mesh, other)), limits.grading);
     }
   }
-  return after <= before + kSlack;
+  return after <= before + kSizeSlack;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/simplex_dual.h"
 #include "stages/decimate/certified.h"
+#include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/paper.h"
 #include "stages/decimate/pieces.h"
 
@@ -42,7 +43,12 @@ SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& option
     throw Error(ErrorKind::kUsage, "decimate.no_voxel",
                 "the distance is in voxels, but no image is behind the surface", "give it in mm");
   }
-  if (options.method == DecimateMethod::kCertified) return decimate_certified(isosurface, options, context);
+  if (options.method == DecimateMethod::kCertified) {
+    const std::uint32_t pieces =
+        options.pieces > 0 ? static_cast<std::uint32_t>(options.pieces) : pieces_within(isosurface, context);
+    return pieces > 1 ? decimate_certified_in_pieces(isosurface, pieces, options, context)
+                      : decimate_certified(isosurface, options, context);
+  }
 
   const double distance_mm = options.distance.in_mm(voxel_mm);
   const std::uint64_t seed = options.seed != 0 ? options.seed : context.seed;

@@ -46,7 +46,8 @@ struct DecimateOptions {
   std::size_t max_triangles = 0;  // certified only: then only angles are mended; 0: to the end
   SmallComponents small_components = SmallComponents::kKeep;  // what to do with tiny closed surfaces
   int small_triangles = 100;                                  // a component with fewer triangles is tiny
-  int pieces = 0;          // paper only: parts decimated apart along image planes and sewn; 0: one
+  // Parts decimated apart along image planes and sewn; 0: one, or with `certified` what keeps to the budget.
+  int pieces = 0;
   std::uint64_t seed = 0;  // of the random order of edges; 0: the run's seed
 };
 

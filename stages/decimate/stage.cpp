@@ -85,19 +85,23 @@ class DecimateStage final : public StageOf<DecimateOptions> {
                "What happens to closed surfaces of fewer than small_triangles triangles.")
         .param("small_triangles", &O::small_triangles, Quantity::kCount, Range::between(0, 1e6),
                "Below this many triangles a component is not decimated.")
-        .param("pieces", &O::pieces, Quantity::kCount, Range::between(0, 10000),
-               "Parts that the isosurface is cut into along planes of the image, decimated apart and sewn "
-               "(method paper); 0 leaves it whole.")
+        .param(
+            "pieces", &O::pieces, Quantity::kCount, Range::between(0, 10000),
+            "Parts that the isosurface is cut into along planes of the image, decimated apart and sewn; 0 "
+            "leaves it whole, or, with method certified and a memory budget, takes as many as keep to that.")
         .param("seed", &O::seed, Quantity::kCount, Range::at_least(0),
                "Seed of the random order of edges; 0 takes the run's.");
   }
 
-  void preflight(const DecimateOptions&, Preflight& preflight) const override {
+  void preflight(const DecimateOptions& options, Preflight& preflight) const override {
     const Forecast& in = preflight.inputs["isosurface"];
     Forecast& out = preflight.outputs["simplex_mesh"];
     out.triangles = in.triangles;
     out.voxel_mm = in.voxel_mm;
-    preflight.peak_bytes = in.triangles * kBytesPerTriangle;
+    // With a budget `certified` takes as many pieces as it needs.
+    preflight.peak_bytes =
+        in.triangles *
+        (options.method == DecimateMethod::kCertified ? kLeastBytesPerTriangle : kBytesPerTriangle);
   }
 
   Outputs run(const DecimateOptions& options, const Inputs& inputs, Context& context) const override {
@@ -105,7 +109,7 @@ class DecimateStage final : public StageOf<DecimateOptions> {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerTriangle = 300;
+  static constexpr std::uint64_t kBytesPerTriangle = 300, kLeastBytesPerTriangle = 80;
 };
 
 }  // namespace

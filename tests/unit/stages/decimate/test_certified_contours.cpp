@@ -185,6 +185,31 @@ TEST_P(CertifiedOpenSurfaces, KeepTheirPromises) {
             GetParam().most_border * static_cast<double>(old_border.edges.size()));
 }
 
+TEST(CertifiedContourPoints, AreSmoothedByTheLawOfMotion) {
+  // How far the ends of the stepped tube are from circles.
+  const Isosurface isosurface = stepped_tube();
+  const auto roughness = [&](int iterations) {
+    DecimateOptions options;
+    options.distance = Length::voxel(kVoxels);
+    options.iterations = iterations;
+    options.rigidity = 3;
+    options.stiffness = 0.15;
+    Context context;
+    const SurfaceMesh result = dual_triangulation(decimate_certified(isosurface, options, context));
+    double sum = 0, squares = 0, count = 0;
+    for (const Segment& edge : border_of(result).edges) {
+      const Vec3 index = isosurface.frame.to_index(edge[0]);
+      const double radius = std::hypot(index.x - 13, index.y - 13);
+      sum += radius;
+      squares += radius * radius;
+      ++count;
+    }
+    return std::sqrt(std::max(0.0, squares / count - sum * sum / count / count));
+  };
+  const double with = roughness(10), without = roughness(0);
+  EXPECT_LT(with, without);
+}
+
 TEST(CertifiedContourPoints, SmallOpenComponentsMayBeDropped) {
   const Isosurface isosurface = noise();
   Context context;
@@ -212,7 +237,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"tube", &tube, 0.9, 0.3, true}, Case{"stepped_tube", &stepped_tube, 0.6, 0.5, true},
                     Case{"corner", &corner, 0.9, 0.3, true}, Case{"sheets", &sheets, 0.8, 0.3, true},
                     Case{"noise", &noise, 0.0, 1.0, true}, Case{"half_tube", &half_tube, 0.9, 0.3, false}),
-    [](const auto& info) { return info.param.name; });
+    [](const auto& shape) { return shape.param.name; });
 
 TEST(CertifiedContourPoints, APointInACornerOfTheImageStaysWhereItIs) {
   const Isosurface isosurface = corner();
