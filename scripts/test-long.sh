@@ -6,7 +6,7 @@ set -euo pipefail
 mkdir -p "$root/build"
 "$root/scripts/setup.sh"
 "$root/scripts/check-style.sh"
-"$root/scripts/test-sanitizers.sh"
+"$root/scripts/test-sanitizers.sh" --all
 say "every test with sanitizers"
 (cd "$root" && ASAN_OPTIONS=detect_leaks=0 ctest --preset strict -E '^unit\.' -j "$(jobs)")
 "$root/scripts/test-bare.sh"
