@@ -47,6 +47,7 @@ struct DecimationReport {
   std::uint64_t rejected_distance = 0;
   std::uint64_t rejected_reverse = 0;
   std::uint64_t rejected_self_intersection = 0;
+  std::uint64_t dropped_below = 0;  // components of fewer triangles were dropped on request
 
   // 1 - after/before, in 0..1.
   double rate() const {

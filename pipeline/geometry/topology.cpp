@@ -192,6 +192,32 @@ std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& tria
   return components_of(sorted_edge_uses(triangles, points), triangles.size(), components);
 }
 
+SurfaceMesh without_small_components(const SurfaceMesh& surface, std::size_t least) {
+  const auto component = triangle_components(surface.triangles, surface.points.size());
+  std::vector<std::size_t> size;
+  for (const std::uint32_t c : component) {
+    size.resize(std::max<std::size_t>(size.size(), c + std::size_t{1}));
+    ++size[c];
+  }
+  SurfaceMesh kept;
+  kept.voxel_mm = surface.voxel_mm;
+  kept.was_read = surface.was_read;
+  std::vector<Index> number(surface.points.size(), kNoIndex);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (size[component[t]] < least) continue;
+    Triangle triangle = surface.triangles[t];
+    for (Index& v : triangle) {
+      if (number[v] == kNoIndex) {
+        number[v] = static_cast<Index>(kept.points.size());
+        kept.points.push_back(surface.points[v]);
+      }
+      v = number[v];
+    }
+    kept.triangles.push_back(triangle);
+  }
+  return kept;
+}
+
 std::vector<std::uint32_t> point_valences(const std::vector<Triangle>& triangles, std::size_t points) {
   const std::vector<EdgeUse> uses = sorted_edge_uses(triangles, points);
   std::vector<std::uint32_t> valence(points, 0);

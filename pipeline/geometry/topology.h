@@ -35,6 +35,9 @@ std::vector<std::array<Index, 3>> triangle_neighbours(const std::vector<Triangle
 // Triangles that share an edge belong together; sharing a point is not enough. Same preconditions.
 std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& triangles, std::size_t points);
 
+// The surface without its components of fewer than `least` triangles; fields are dropped. Same preconditions.
+SurfaceMesh without_small_components(const SurfaceMesh& surface, std::size_t least);
+
 // Per point, how many edges end in it (0: no triangle uses it). Same preconditions.
 std::vector<std::uint32_t> point_valences(const std::vector<Triangle>& triangles, std::size_t points);
 

@@ -14,7 +14,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'P', 'E', 'R', 'I', 'O', 'A', 'R', 'T'};
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kHeaderBytes = kMagic.size() + 4 + 4 + 8;
 
@@ -185,9 +185,9 @@ void walk(W& w, T& isosurface) {
 template <class W, Same<DecimationReport> T>
 void walk(W& w, T& report) {
   auto& [before, after, removals, insertions, swaps, relocations, pieces, distance, link, topology,
-         barycentric, angle, fold, far, reverse, intersection] = report;
+         barycentric, angle, fold, far, reverse, intersection, dropped] = report;
   members(w, before, after, removals, insertions, swaps, relocations, pieces, distance, link, topology,
-          barycentric, angle, fold, far, reverse, intersection);
+          barycentric, angle, fold, far, reverse, intersection, dropped);
 }
 
 template <class W, Same<SimplexMesh> T>

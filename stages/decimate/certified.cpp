@@ -298,6 +298,9 @@ DecimationReport make_report(const MoveCounts& counts, const Isosurface& isosurf
   report.swaps = counts.swaps;
   report.relocations = counts.relocations;
   report.requested_distance_mm = tolerance_mm(isosurface, options);
+  if (options.small_components == SmallComponents::kDrop) {
+    report.dropped_below = static_cast<std::uint64_t>(std::max(0, options.small_triangles));
+  }
   report.rejected_link = refused(Refusal::kLink);
   report.rejected_topology = refused(Refusal::kTopology);
   report.rejected_barycentric = refused(Refusal::kBarycentric);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/geometry/measure_volume.h"
+#include "pipeline/geometry/topology.h"
 
 namespace periost {
 namespace {
@@ -27,9 +28,14 @@ void log_gates(const QualityReport& report, const Context& context) {
 
 QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, Context& context) {
   QualityInputs measured;
-  std::optional<SurfaceMesh> boundary;
+  std::optional<SurfaceMesh> boundary, kept;
   if (inputs.isosurface != nullptr) measured.isosurface = &inputs.isosurface->surface;
   if (inputs.simplex_mesh != nullptr) measured.decimation = &inputs.simplex_mesh->report;
+  // What was dropped on request is not missed.
+  if (measured.isosurface && measured.decimation && measured.decimation->dropped_below > 0) {
+    kept = without_small_components(*measured.isosurface, measured.decimation->dropped_below);
+    measured.isosurface = &*kept;
+  }
   measured.surface = inputs.surface;
   measured.tet_mesh = inputs.tet_mesh;
   if (measured.surface == nullptr && measured.tet_mesh != nullptr) {

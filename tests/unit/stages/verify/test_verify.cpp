@@ -48,5 +48,30 @@ TEST(Verify, AnIsosurfaceGivesDistancesInVoxels) {
   EXPECT_NEAR(*report.surface->volume_change, 1.02 * 1.02 * 1.02 - 1, 1e-9);
 }
 
+// A ball and a crumb far from it; the crumb is not in the result.
+TEST(Verify, ComponentsDroppedOnRequestAreNotMissed) {
+  Isosurface isosurface;
+  isosurface.surface = test::sphere_surface({0, 0, 50}, 10, 3);
+  const SurfaceMesh ball = isosurface.surface, crumb = test::sphere_surface({40, 0, 50}, 1, 0);
+  const auto first = static_cast<Index>(ball.points.size());
+  isosurface.surface.points.insert(isosurface.surface.points.end(), crumb.points.begin(), crumb.points.end());
+  for (const Triangle& t : crumb.triangles) {
+    isosurface.surface.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  isosurface.surface.voxel_mm = 1;
+  SimplexMesh decimated;
+  decimated.report.requested_distance_mm = 0.3;
+  Context context;
+  const QualityReport missed = verify({&isosurface, &decimated, &ball, nullptr}, {}, context);
+  EXPECT_EQ(missed.verdict, Verdict::kFail);
+  EXPECT_GT(missed.surface->distance->hausdorff, 25);
+  decimated.report.dropped_below = crumb.triangles.size() + 1;
+  const QualityReport whole = verify({&isosurface, &decimated, &ball, nullptr}, {}, context);
+  EXPECT_EQ(whole.verdict, Verdict::kPass);
+  EXPECT_LT(whole.surface->distance->hausdorff, 1e-9);
+  decimated.report.dropped_below = crumb.triangles.size();  // as large as asked: it should be there
+  EXPECT_EQ(verify({&isosurface, &decimated, &ball, nullptr}, {}, context).verdict, Verdict::kFail);
+}
+
 }  // namespace
 }  // namespace periost
