@@ -371,7 +371,7 @@ std::string save_artefact(const Artefact& artefact, const std::filesystem::path&
   walk(writer, kind);
   writer.file = &file;
   walk_artefact(writer, artefact);
-  const std::string hash = writer.hasher.hex();
+  std::string hash = writer.hasher.hex();
   file.write(hash);
   file.commit();
   return hash;
