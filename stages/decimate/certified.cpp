@@ -67,14 +67,7 @@ void drop_small_components(std::size_t least, CertifiedMesh& mesh, ReverseProofs
       }
     }
     if (component.size() >= least) continue;
-    for (const Index t : component) {
-      for (const Index v : mesh.triangles[t].corner) mesh.incident[v] = kNoIndex;
-    }
-    for (const Index t : component) {
-      mesh.triangles[t].corner[0] = kNoIndex;
-      proofs.proof[t].home = kNoIndex;
-      proofs.first[t] = kNoIndex;
-    }
+    for (const Index t : component) drop_triangle(t, mesh, proofs);
   }
 }
 

@@ -5,17 +5,6 @@
 namespace periost {
 namespace {
 
-// Unit vector across the contour at v: in its border plane where it has one, else along the surface.
-Vec3 across_contour(const CertifiedState& state, Index v, Vec3 along) {
-  const std::uint8_t planes = state.contours.of(v).planes;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double side = planes & 1u << (2 * axis) ? -1 : 1;
-    if (planes & 3u << (2 * axis))
-      return normalized(cross(state.reference.frame().direction.column[axis] * side, along));
-  }
-  return normalized(cross(state.reference.normals[state.mesh.nearest[v]], along));
-}
-
 bool is_free(const CertifiedState& state, Index v) {
   return state.mesh.contour[v] == kOnContour && state.contours.slot[v] != kNoIndex;
 }
@@ -27,7 +16,8 @@ SimplexParameters parameters_at(const CertifiedState& state, Index v) {
   const Vec3 along = b - a;
   const double length2 = squared_norm(along);
   SimplexParameters result;
-  result.normal = across_contour(state, v, along);
+  result.normal = across_contour(state.reference.frame(), state.contours.of(v).planes, along,
+                                 state.reference.normals[state.mesh.nearest[v]]);
   result.is_degenerate = !(length2 > 0) || result.normal == Vec3{};
   if (result.is_degenerate) return result;
   const double t = dot(p - a, along) / length2;

@@ -20,19 +20,8 @@ struct Place {
   double station;
 };
 
-bool any_locked(const CertifiedMesh& mesh, Index centre, const Star& ring) {
-  return mesh.is_locked[centre] ||
-         std::any_of(ring.link.begin(), ring.link.end(), [&](Index v) { return mesh.is_locked[v] != 0; });
-}
-
-void begin(Proposal& proposal, MoveKind kind) {
-  proposal.kind = kind;
-  proposal.before.clear();
-  proposal.after.clear();
-  proposal.cells.clear();
-  proposal.rim.clear();
-  proposal.valence_changes.clear();
-  proposal.moved = proposal.removed = kNoIndex;
+bool is_locked(const CertifiedMesh& mesh, Index centre, const Star& ring) {
+  return mesh.is_locked[centre] || is_any_locked(mesh, ring.link);
 }
 
 // Appends triangles first .. last - 1 of a ring to an open fan and its rim; the first rim vertex only where
@@ -69,7 +58,7 @@ bool propose_along(const CertifiedMesh& mesh, Index t, Index u, Index v, Index a
   if (mesh.contour[u] == kPinned && mesh.contour[v] == kPinned) return false;
   Star ring_u, ring_v;  // u's begins with t, v's ends with it
   if (!gather_ring(mesh, u, ring_u) || !gather_ring(mesh, v, ring_v)) return false;
-  if (any_locked(mesh, u, ring_u) || any_locked(mesh, v, ring_v)) return false;
+  if (is_locked(mesh, u, ring_u) || is_locked(mesh, v, ring_v)) return false;
   for (const Index x : ring_u.link) {
     if (x != a && ring_v.link.contains(x)) return false;
   }
@@ -96,7 +85,7 @@ bool propose_along(const CertifiedMesh& mesh, Index t, Index u, Index v, Index a
 bool propose_onto(const CertifiedMesh& mesh, Index t, Index u, Index v, Proposal& proposal) {
   Star star, ring;
   if (!gather_star(mesh, u, star) || !gather_ring(mesh, v, ring)) return false;
-  if (any_locked(mesh, u, star) || any_locked(mesh, v, ring)) return false;
+  if (is_locked(mesh, u, star) || is_locked(mesh, v, ring)) return false;
   const std::size_t nu = star.triangle.size(), nv = ring.triangle.size();
   std::size_t start = 0, j = 0;
   while (star.triangle[start] != t) ++start;
@@ -123,20 +112,6 @@ bool propose_onto(const CertifiedMesh& mesh, Index t, Index u, Index v, Proposal
   proposal.valence_changes.push_back({a, -1});
   proposal.valence_changes.push_back({b, -1});
   return true;
-}
-
-Vec3 facing_of(const CertifiedState& state, Index u, Index v) {
-  return normalized(state.reference.normals[state.mesh.nearest[u]] +
-                    state.reference.normals[state.mesh.nearest[v]]);
-}
-
-// Across a contour, within its border plane where it has one.
-Vec3 aside_of(const CertifiedState& state, std::uint8_t planes, Vec3 along, Vec3 normal) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (planes & 3u << (2 * axis))
-      return normalized(cross(state.reference.frame().direction.column[axis], along));
-  }
-  return normalized(cross(normal, along));
 }
 
 // The way from u to v along the contour and the stations around them.
@@ -171,7 +146,7 @@ void merged_places(const CertifiedState& state, const Proposal& proposal, Index 
   const Vec3 origin = state.reference.points[0];
   const Vec3 along =
       state.mesh.points[contour_next(state.mesh, v)] - state.mesh.points[contour_previous(state.mesh, u)];
-  const Vec3 aside = aside_of(state, station.planes, along, facing_of(state, u, v));
+  const Vec3 aside = across_contour(state.reference.frame(), station.planes, along, edge_normal(state, u, v));
   for (const double part : kParts) {
     const double at = between(state, arc, part);
     const Vec3 on_contour = contour_point(contours, arc.loop, at);
@@ -193,13 +168,6 @@ bool is_contour_certified(const CertifiedState& state, Index before, Index after
          follows_contour(state.contours, arc.loop, place.station, arc.after, place.at, q, state.tolerance);
 }
 
-std::uint32_t signature_of_proposal(const CertifiedMesh& mesh, const Proposal& proposal) {
-  std::uint32_t sum = mesh.version[proposal.moved] + kContourMark;
-  if (proposal.removed != kNoIndex) sum += mesh.version[proposal.removed];
-  for (const Index v : proposal.rim) sum += mesh.version[v];
-  return sum;
-}
-
 // Angles, topology and all else at the proposal's place.
 Refusal check_place(CertifiedState& state, Worker& worker, Vec3 facing, bool improve_angles) {
   double gain = 0;
@@ -216,7 +184,7 @@ Refusal remove_along(CertifiedState& state, Worker& worker, Index u, Index v, bo
                 contours.of(after).at};
   std::vector<Place> places;
   merged_places(state, worker.proposal, u, v, arc, places);
-  const Vec3 facing = facing_of(state, u, v);
+  const Vec3 facing = edge_normal(state, u, v);
   Refusal refusal = Refusal::kDistance;
   int checks = 0;
   for (const Place& place : places) {
@@ -235,15 +203,14 @@ Refusal remove_along(CertifiedState& state, Worker& worker, Index u, Index v, bo
 }
 
 bool has_small_angle(const CertifiedState& state, const Star& ring, double aim) {
-  return std::any_of(ring.triangle.begin(), ring.triangle.end(), [&](Index t) {
-    return twice_largest_cosine(corners_now(state.mesh, t)) > 2 * std::cos(aim);
-  });
+  return std::any_of(ring.triangle.begin(), ring.triangle.end(),
+                     [&](Index t) { return has_angle_under(corners_now(state.mesh, t), aim); });
 }
 
 }  // namespace
 
 bool propose_contour_removal(const CertifiedMesh& mesh, Index t, std::size_t k, Proposal& proposal) {
-  begin(proposal, MoveKind::kRemoval);
+  proposal.begin(MoveKind::kRemoval);
   const LinkedTriangle& cell = mesh.triangles[t];
   const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
   const Index other = cell.across[k];
@@ -254,9 +221,9 @@ bool propose_contour_removal(const CertifiedMesh& mesh, Index t, std::size_t k, 
 }
 
 bool propose_contour_relocation(const CertifiedMesh& mesh, Index vertex, Proposal& proposal) {
-  begin(proposal, MoveKind::kRelocation);
+  proposal.begin(MoveKind::kRelocation);
   Star ring;
-  if (mesh.contour[vertex] == kPinned || !gather_ring(mesh, vertex, ring) || any_locked(mesh, vertex, ring))
+  if (mesh.contour[vertex] == kPinned || !gather_ring(mesh, vertex, ring) || is_locked(mesh, vertex, ring))
     return false;
   for (const Index t : ring.triangle) {
     proposal.before.push_back(t);
@@ -284,7 +251,8 @@ double contour_removal_cost(const CertifiedState& state, Index u, Index v) {
     place = is_fixed(u) ? pu : pv;
     if (!is_fixed(u) && !is_fixed(v)) {
       const Vec3 along = is_forward ? pv - pu : pu - pv;
-      const Vec3 aside = aside_of(state, state.contours.of(u).planes, along, facing_of(state, u, v));
+      const Vec3 aside = across_contour(state.reference.frame(), state.contours.of(u).planes, along,
+                                        edge_normal(state, u, v));
       place = best_place(quadric, (pu + pv) * 0.5, aside, kStrength);
     }
   }
@@ -298,19 +266,15 @@ bool try_contour_removal(CertifiedState& state, Worker& worker, Index t, std::si
   if (!propose_contour_removal(state.mesh, t, k, proposal)) {
     return improve_angles ? false : refuse_move(state, worker, Refusal::kLink, u);
   }
-  const std::uint32_t signature = signature_of_proposal(state.mesh, proposal);
+  const std::uint32_t signature = removal_signature(state.mesh, proposal) + kContourMark;
   const bool is_along = cell.across[k] == kNoIndex;
-  std::size_t slot = 3 * std::size_t{t} + k;
-  if (!is_along && cell.across[k] < t) {
-    const LinkedTriangle& twin = state.mesh.triangles[cell.across[k]];
-    slot = 3 * std::size_t{cell.across[k]} + 3 - twin.slot_of(u) - twin.slot_of(v);
-  }
+  const std::size_t slot = removal_slot(state.mesh, t, k);
   if (!improve_angles && state.failed[slot] == signature) return false;
   Refusal refusal = Refusal::kNone;
   if (is_along) {
     refusal = remove_along(state, worker, u, v, improve_angles);
   } else {
-    refusal = check_place(state, worker, facing_of(state, u, v), improve_angles);
+    refusal = check_place(state, worker, edge_normal(state, u, v), improve_angles);
     if (refusal == Refusal::kNone) commit_move(state, worker);
   }
   if (refusal == Refusal::kNone) {

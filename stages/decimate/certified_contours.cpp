@@ -204,4 +204,12 @@ Vec3 onto_planes(const GridFrame& frame, std::uint8_t planes, Vec3 p) {
   return frame.to_lps(q);
 }
 
+Vec3 across_contour(const GridFrame& frame, std::uint8_t planes, Vec3 along, Vec3 normal) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double side = planes & 1u << (2 * axis) ? -1 : 1;  // outwards
+    if (planes & 3u << (2 * axis)) return normalized(cross(frame.direction.column[axis] * side, along));
+  }
+  return normalized(cross(normal, along));
+}
+
 }  // namespace periost

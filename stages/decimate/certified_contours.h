@@ -61,6 +61,10 @@ bool follows_contour(const CertifiedContours& contours, Index loop, double from,
 // p moved onto the border planes named.
 Vec3 onto_planes(const GridFrame& frame, std::uint8_t planes, Vec3 p);
 
+// Unit vector across a contour that runs `along`: within its border plane where it has one, else at right
+// angles to the surface's `normal`.
+Vec3 across_contour(const GridFrame& frame, std::uint8_t planes, Vec3 along, Vec3 normal);
+
 // Neighbours along the contour. Precondition: on a contour, alive.
 Index contour_next(const CertifiedMesh& mesh, Index v);
 Index contour_previous(const CertifiedMesh& mesh, Index v);

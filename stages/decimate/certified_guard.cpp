@@ -137,6 +137,10 @@ double twice_largest_cosine(const std::array<Vec3, 3>& c) {
   return product > 0 ? sum / std::sqrt(product) : 2;
 }
 
+bool has_angle_under(const std::array<Vec3, 3>& triangle, double limit) {
+  return twice_largest_cosine(triangle) > 2 * std::cos(limit);
+}
+
 double min_angle(const std::array<Vec3, 3>& triangle) {
   return std::acos(std::clamp(twice_largest_cosine(triangle) / 2, 0.0, 1.0));
 }

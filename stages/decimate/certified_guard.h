@@ -44,6 +44,8 @@ double min_angle(const std::array<Vec3, 3>& triangle);
 // Twice the cosine of the smallest angle, which orders triangles as the angle does and costs less; 2 when
 // degenerate.
 double twice_largest_cosine(const std::array<Vec3, 3>& triangle);
+// Whether the smallest angle is under the limit, radians.
+bool has_angle_under(const std::array<Vec3, 3>& triangle, double limit);
 
 // Valences and, unless `only_valences`, the topological criterion.
 bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,

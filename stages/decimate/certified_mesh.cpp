@@ -20,10 +20,6 @@ void rotate_to(Index triangle, Star& star, Star& rotated) {
   }
 }
 
-bool any_locked(const CertifiedMesh& mesh, const FixedList<Index, kMaxStar>& vertices) {
-  return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return mesh.is_locked[v] != 0; });
-}
-
 // Fills the proposal's fan around `apex` from the outer triangles' links.
 void set_fan(const CertifiedMesh& mesh, Index apex, const FixedList<Index, kMaxRing>& fan,
              const FixedList<Index, kMaxRing>& old_apex, Proposal& proposal) {
@@ -47,16 +43,6 @@ void append_survivors(const Star& star, Index apex, FixedList<Index, kMaxRing>& 
     old_apex.push_back(apex);
     proposal.rim.push_back(star.link[i]);
   }
-}
-
-void reset(Proposal& proposal, MoveKind kind) {
-  proposal.kind = kind;
-  proposal.before.clear();
-  proposal.after.clear();
-  proposal.cells.clear();
-  proposal.rim.clear();
-  proposal.valence_changes.clear();
-  proposal.moved = proposal.removed = kNoIndex;
 }
 
 // Makes the first triangle of a contour point's fan its incident one.
@@ -141,8 +127,12 @@ bool gather_star(const CertifiedMesh& mesh, Index vertex, Star& star) {
   return true;
 }
 
+bool is_any_locked(const CertifiedMesh& mesh, const FixedList<Index, kMaxStar>& link) {
+  return std::any_of(link.begin(), link.end(), [&](Index v) { return mesh.is_locked[v] != 0; });
+}
+
 bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal) {
-  reset(proposal, MoveKind::kRemoval);
+  proposal.begin(MoveKind::kRemoval);
   const LinkedTriangle& first = mesh.triangles[triangle];
   const Index u = first.corner[(k + 1) % 3], v = first.corner[(k + 2) % 3];
   const Index other = first.across[k];
@@ -152,7 +142,7 @@ bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, P
   rotate_to(triangle, gathered, star_u);  // (u, v, a) first, (u, b, v) last
   if (!gather_star(mesh, v, gathered)) return false;
   rotate_to(other, gathered, star_v);  // (v, u, b) first, (v, a, u) last
-  if (any_locked(mesh, star_u.link) || any_locked(mesh, star_v.link)) return false;
+  if (is_any_locked(mesh, star_u.link) || is_any_locked(mesh, star_v.link)) return false;
   const std::size_t nu = star_u.triangle.size(), nv = star_v.triangle.size();
   if (nu + nv < 7) return false;  // the merged vertex keeps three triangles
   const Index a = star_u.link[1], b = star_u.link[nu - 1];
@@ -175,7 +165,7 @@ bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, P
 }
 
 bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal) {
-  reset(proposal, MoveKind::kSwap);
+  proposal.begin(MoveKind::kSwap);
   const LinkedTriangle& first = mesh.triangles[triangle];
   const Index a = first.corner[k], u = first.corner[(k + 1) % 3], v = first.corner[(k + 2) % 3];
   const Index other = first.across[k];
@@ -203,7 +193,7 @@ bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Prop
 
 bool propose_insertion(const CertifiedMesh& mesh, Index triangle, std::size_t k, Index vertex,
                        const std::array<Index, 2>& triangles, Proposal& proposal) {
-  reset(proposal, MoveKind::kInsertion);
+  proposal.begin(MoveKind::kInsertion);
   const LinkedTriangle& first = mesh.triangles[triangle];
   const Index a = first.corner[k], u = first.corner[(k + 1) % 3], v = first.corner[(k + 2) % 3];
   const Index other = first.across[k];
@@ -230,9 +220,10 @@ bool propose_insertion(const CertifiedMesh& mesh, Index triangle, std::size_t k,
 }
 
 bool propose_relocation(const CertifiedMesh& mesh, Index vertex, Proposal& proposal) {
-  reset(proposal, MoveKind::kRelocation);
+  proposal.begin(MoveKind::kRelocation);
   Star star;
-  if (mesh.is_locked[vertex] || !gather_star(mesh, vertex, star) || any_locked(mesh, star.link)) return false;
+  if (mesh.is_locked[vertex] || !gather_star(mesh, vertex, star) || is_any_locked(mesh, star.link))
+    return false;
   for (std::size_t i = 0; i < star.triangle.size(); ++i) {
     const Index t = star.triangle[i];
     proposal.before.push_back(t);

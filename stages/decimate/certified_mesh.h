@@ -95,6 +95,16 @@ struct Proposal {
   };
   FixedList<ValenceChange, 4> valence_changes;
 
+  // Empties it for another move.
+  void begin(MoveKind next) {
+    kind = next;
+    before.clear();
+    after.clear();
+    cells.clear();
+    rim.clear();
+    valence_changes.clear();
+    moved = removed = kNoIndex;
+  }
   int valence_of(const CertifiedMesh& mesh, Index vertex) const {
     for (const auto& change : valence_changes) {
       if (change.vertex == vertex) return mesh.valence[vertex] + change.by;
@@ -126,6 +136,9 @@ inline std::array<Vec3, 3> corners_after(const CertifiedMesh& mesh, const Propos
   return {proposal.point_of(mesh, cell.corner[0]), proposal.point_of(mesh, cell.corner[1]),
           proposal.point_of(mesh, cell.corner[2])};
 }
+
+// Whether a vertex of a star's or ring's link is locked.
+bool is_any_locked(const CertifiedMesh& mesh, const FixedList<Index, kMaxStar>& link);
 
 // Each describes a move without its place; false when the result would not be a simplicial manifold (the
 // link condition), or when a vertex of it is locked. Neither end of a removed edge may lie on a contour, nor

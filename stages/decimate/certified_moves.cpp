@@ -14,11 +14,6 @@ constexpr double kLengthWeight = 1e-3;                       // of the squared l
 // the isosurface or leaves it too far away: the triangles of a bent part lie on one side of it, so its
 // vertices belong on the other.
 constexpr std::array<double, 2> kHeights{0.2, 0.4};
-// Smaller gains do not count.
-double least_gain(const GuardLimits& limits) {
-  return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
-}
-
 // The triangles that share a vertex with the ring but are not in it.
 void collect_around(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch,
                     std::vector<Index>& around) {
@@ -100,45 +95,10 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
   return Refusal::kNone;
 }
 
-// Topology and the rest for a removal whose angles hold.
-Refusal check_removal(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
-  const bool mends = gain > least_gain(worker.limits);
-  if (!meets_topology(state.mesh, worker.proposal, worker.limits, mends)) return Refusal::kTopology;
-  return check(state, worker, facing, mends);
-}
-
-void commit(CertifiedState& state, Worker& worker) {
-  const Proposal& proposal = worker.proposal;
-  apply(proposal, state.mesh);
-  if (state.reverse_tolerance > 0) commit_reverse(proposal, worker.reverse, state.proofs);
-  if (proposal.removed != kNoIndex) {
-    state.quadrics[proposal.moved] += state.quadrics[proposal.removed];
-  }
-  state.sheets.insert(state.mesh, proposal);
-}
-
-bool refuse(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex) {
-  ++worker.counts.refused[static_cast<std::size_t>(refusal)];
-  state.blocked_by[vertex] = static_cast<std::uint8_t>(refusal);
-  return false;
-}
-
-Vec3 edge_normal(const CertifiedState& state, Index u, Index v) {
-  return normalized(state.reference.normals[state.mesh.nearest[u]] +
-                    state.reference.normals[state.mesh.nearest[v]]);
-}
-
 Vec3 rim_centroid(const CertifiedMesh& mesh, const Proposal& proposal) {
   Vec3 sum;
   for (const Index v : proposal.rim) sum += mesh.points[v];
   return sum / static_cast<double>(proposal.rim.size());
-}
-
-// Sums the versions of all vertices concerned: unchanged only if none has changed.
-std::uint32_t signature_of(const CertifiedMesh& mesh, const Proposal& proposal) {
-  std::uint32_t sum = mesh.version[proposal.moved] + mesh.version[proposal.removed];
-  for (const Index v : proposal.rim) sum += mesh.version[v];
-  return sum;
 }
 
 // The place for a removal whose angles hold: one of the strengths gives it, or a search along the surface.
@@ -159,7 +119,7 @@ Refusal place_merged(const CertifiedState& state, Worker& worker, Vec3 normal, d
 
 // Topology and the rest for a removal, at its place and a little above and below.
 Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, double gain) {
-  Refusal refusal = check_removal(state, worker, normal, gain);
+  Refusal refusal = check_move(state, worker, normal, gain);
   const Vec3 place = worker.proposal.place;
   const double side = dot(place - rim_centroid(state.mesh, worker.proposal), normal) > 0 ? 1 : -1;
   for (const double height : kHeights) {
@@ -167,7 +127,7 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
     if (refusal != Refusal::kDistance && refusal != Refusal::kReverse) break;
     worker.proposal.place = place + normal * (side * height * state.tolerance);
     if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) continue;
-    refusal = check_removal(state, worker, normal, gain);
+    refusal = check_move(state, worker, normal, gain);
   }
   return refusal;
 }
@@ -175,19 +135,49 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
 }  // namespace
 
 Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
-  return check_removal(state, worker, facing, gain);
+  const bool mends = gain > least_angle_gain(worker.limits);
+  if (!meets_topology(state.mesh, worker.proposal, worker.limits, mends)) return Refusal::kTopology;
+  return check(state, worker, facing, mends);
 }
 
 void commit_move(CertifiedState& state, Worker& worker) {
-  commit(state, worker);
+  const Proposal& proposal = worker.proposal;
+  apply(proposal, state.mesh);
+  if (state.reverse_tolerance > 0) commit_reverse(proposal, worker.reverse, state.proofs);
+  if (proposal.removed != kNoIndex) {
+    state.quadrics[proposal.moved] += state.quadrics[proposal.removed];
+  }
+  state.sheets.insert(state.mesh, proposal);
 }
 
 bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex) {
-  return refuse(state, worker, refusal, vertex);
+  ++worker.counts.refused[static_cast<std::size_t>(refusal)];
+  state.blocked_by[vertex] = static_cast<std::uint8_t>(refusal);
+  return false;
 }
 
 double least_angle_gain(const GuardLimits& limits) {
-  return least_gain(limits);
+  return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
+}
+
+Vec3 edge_normal(const CertifiedState& state, Index u, Index v) {
+  return normalized(state.reference.normals[state.mesh.nearest[u]] +
+                    state.reference.normals[state.mesh.nearest[v]]);
+}
+
+std::uint32_t removal_signature(const CertifiedMesh& mesh, const Proposal& proposal) {
+  std::uint32_t sum = mesh.version[proposal.moved] + mesh.version[proposal.removed];
+  for (const Index v : proposal.rim) sum += mesh.version[v];
+  return sum;
+}
+
+std::size_t removal_slot(const CertifiedMesh& mesh, Index t, std::size_t k) {
+  const LinkedTriangle& cell = mesh.triangles[t];
+  const Index other = cell.across[k];
+  if (other == kNoIndex || t < other) return 3 * std::size_t{t} + k;
+  const LinkedTriangle& twin = mesh.triangles[other];
+  return 3 * std::size_t{other} + 3 - twin.slot_of(cell.corner[(k + 1) % 3]) -
+         twin.slot_of(cell.corner[(k + 2) % 3]);
 }
 
 MoveCounts& MoveCounts::operator+=(const MoveCounts& other) {
@@ -222,12 +212,9 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   const LinkedTriangle& cell = state.mesh.triangles[t];
   const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
   Proposal& proposal = worker.proposal;
-  if (!propose_removal(state.mesh, t, k, proposal)) return refuse(state, worker, Refusal::kLink, u);
-  const std::uint32_t signature = signature_of(state.mesh, proposal) + (worker.is_thorough ? 1 : 0);
-  const Index other = cell.across[k];
-  const LinkedTriangle& twin = state.mesh.triangles[other];
-  const std::size_t slot =
-      t < other ? 3 * std::size_t{t} + k : 3 * std::size_t{other} + 3 - twin.slot_of(u) - twin.slot_of(v);
+  if (!propose_removal(state.mesh, t, k, proposal)) return refuse_move(state, worker, Refusal::kLink, u);
+  const std::uint32_t signature = removal_signature(state.mesh, proposal) + (worker.is_thorough ? 1 : 0);
+  const std::size_t slot = removal_slot(state.mesh, t, k);
   if (state.failed[slot] == signature) return false;
   const Vec3 normal = edge_normal(state, u, v);
   double gain = 0;
@@ -235,9 +222,9 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   if (refusal == Refusal::kNone) refusal = check_at_heights(state, worker, normal, gain);
   if (refusal != Refusal::kNone) {
     state.failed[slot] = signature;
-    return refuse(state, worker, refusal, u);
+    return refuse_move(state, worker, refusal, u);
   }
-  commit(state, worker);
+  commit_move(state, worker);
   ++worker.counts.removals;
   return true;
 }
@@ -251,10 +238,10 @@ bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::si
   for (const Vec3& place : {(a + b) * 0.5, a, b, rim_centroid(state.mesh, proposal)}) {
     proposal.place = place;
     double gain = 0;
-    if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_gain(worker.limits))
+    if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_angle_gain(worker.limits))
       continue;
-    if (check_removal(state, worker, normal, gain) != Refusal::kNone) continue;
-    commit(state, worker);
+    if (check_move(state, worker, normal, gain) != Refusal::kNone) continue;
+    commit_move(state, worker);
     ++worker.counts.removals;
     return true;
   }
@@ -267,18 +254,18 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   if (!improve_angles && topological_difference(state.mesh, t, k) <= 2) return false;
   Proposal& proposal = worker.proposal;
   const Index u = cell.corner[(k + 1) % 3];
-  if (!propose_swap(state.mesh, t, k, proposal)) return refuse(state, worker, Refusal::kLink, u);
+  if (!propose_swap(state.mesh, t, k, proposal)) return refuse_move(state, worker, Refusal::kLink, u);
   double gain = 0;
   Refusal refusal =
       meets_angles(state.mesh, proposal, worker.limits, &gain) ? Refusal::kNone : Refusal::kAngle;
-  if (improve_angles && gain < least_gain(worker.limits)) return false;
-  const bool mends = gain > least_gain(worker.limits);
+  if (improve_angles && gain < least_angle_gain(worker.limits)) return false;
+  const bool mends = gain > least_angle_gain(worker.limits);
   if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, worker.limits, mends)) {
     refusal = Refusal::kTopology;
   }
   if (refusal == Refusal::kNone) refusal = check(state, worker, {}, mends);
-  if (refusal != Refusal::kNone) return refuse(state, worker, refusal, u);
-  commit(state, worker);
+  if (refusal != Refusal::kNone) return refuse_move(state, worker, refusal, u);
+  commit_move(state, worker);
   ++worker.counts.swaps;
   return true;
 }
@@ -300,15 +287,16 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
     for (const double height : {0.0, 0.3, -0.3}) {
       proposal.place = middle + to_rim * part + normal * (height * state.tolerance);
       double gain = 0;
-      if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_gain(worker.limits)) {
+      if (!meets_angles(state.mesh, proposal, worker.limits, &gain) ||
+          gain < least_angle_gain(worker.limits)) {
         continue;
       }
-      if (check_removal(state, worker, normal, gain) != Refusal::kNone) continue;
+      if (check_move(state, worker, normal, gain) != Refusal::kNone) continue;
       const Vec3 plane = state.reference.normals[proposal.place_nearest];
       state.quadrics[vertex] = {};
       state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
                                        squared_norm(state.mesh.points[u] - middle));
-      commit(state, worker);
+      commit_move(state, worker);
       worker.dead_points.pop_back();
       worker.dead_triangles.resize(count - 2);
       ++worker.counts.insertions;
@@ -327,10 +315,10 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
   proposal.place = place;
   double gain = 0;
   if (!meets_angles(state.mesh, proposal, worker.limits, &gain)) return false;
-  if (improve_angles && gain < least_gain(worker.limits)) return false;
+  if (improve_angles && gain < least_angle_gain(worker.limits)) return false;
   const Vec3 facing = state.reference.normals[state.mesh.nearest[vertex]];
-  if (check(state, worker, facing, gain > least_gain(worker.limits)) != Refusal::kNone) return false;
-  commit(state, worker);
+  if (check(state, worker, facing, gain > least_angle_gain(worker.limits)) != Refusal::kNone) return false;
+  commit_move(state, worker);
   ++worker.counts.relocations;
   return true;
 }

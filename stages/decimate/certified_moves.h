@@ -88,11 +88,18 @@ bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index v
 // Smaller falls of the sum of angle deficits do not count.
 double least_angle_gain(const GuardLimits& limits);
 
+// The mean isosurface normal at the ends of an edge, unit length.
+Vec3 edge_normal(const CertifiedState& state, Index u, Index v);
+// Sum of the versions of all vertices that a proposed removal concerns: unchanged only if none has changed.
+std::uint32_t removal_signature(const CertifiedMesh& mesh, const Proposal& proposal);
+// Where state.failed keeps the edge of triangle t opposite to corner k, from whichever side it is seen.
+std::size_t removal_slot(const CertifiedMesh& mesh, Index t, std::size_t k);
+
 // D of the edge of triangle t opposite to corner k. Precondition: not on a contour.
 int topological_difference(const CertifiedMesh& mesh, Index t, std::size_t k);
 
-// The mean isosurface normal at the ends of an edge, and the cost of contracting it: the quadric at the best
-// place, plus a little of the length so that flat regions thin out evenly.
+// The cost of contracting an edge: the quadric at the best place, plus a little of the length so that flat
+// regions thin out evenly.
 double removal_cost(const CertifiedState& state, Index u, Index v);
 
 }  // namespace periost

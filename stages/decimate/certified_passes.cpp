@@ -301,10 +301,6 @@ double mean_height(const CertifiedState& state, const Star& star) {
   return weight > 0 ? sum / weight : 0;
 }
 
-bool has_angle_under(const CertifiedState& state, Index t, double limit) {
-  return twice_largest_cosine(corners_now(state.mesh, t)) > 2 * std::cos(limit);
-}
-
 }  // namespace
 
 double median_removal_cost(const CertifiedState& state) {
@@ -387,7 +383,7 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
   const double limit = std::exchange(worker.limits.min_angle, aim);
   for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
-      if (!has_angle_under(state, t, aim)) continue;
+      if (!has_angle_under(corners_now(state.mesh, t), aim)) continue;
       const std::uint32_t signature = signature_of(state.mesh, t);
       if (state.unmended[t] == signature) continue;
       if (mend_triangle(state, worker, t)) break;
@@ -400,7 +396,7 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
 VertexList sliver_vertices(const CertifiedState& state, double limit) {
   VertexList found;
   for (Index t = 0; t < state.mesh.triangles.size(); ++t) {
-    if (!state.mesh.triangles[t].is_alive() || !has_angle_under(state, t, limit)) continue;
+    if (!state.mesh.triangles[t].is_alive() || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
     const auto& corner = state.mesh.triangles[t].corner;
     found.insert(found.end(), corner.begin(), corner.end());
   }
@@ -417,7 +413,7 @@ void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertic
   const bool can_insert = !worker.dead_points.empty();
   for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
-      if (!has_angle_under(state, t, worker.limits.min_angle)) continue;
+      if (!has_angle_under(corners_now(state.mesh, t), worker.limits.min_angle)) continue;
       const std::uint32_t signature = signature_of(state.mesh, t);
       const bool is_moved = state.unmended[t] == signature + kSliverMark;
       if ((is_moved && !can_insert) || state.unmended[t] == signature + kInsertionMark) continue;

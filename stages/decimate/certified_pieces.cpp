@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/quantity.h"
 #include "pipeline/geometry/isosurface_cut.h"
 
 namespace periost {
@@ -167,11 +168,7 @@ void keep_between_cuts(const CutPlanes& planes, std::size_t part, CertifiedConto
 void drop_triangles(const std::vector<std::uint8_t>& is_small, const Isosurface& isosurface,
                     const std::vector<Index>& whole, CertifiedState& state) {
   for (Index t = 0; t < whole.size(); ++t) {
-    if (!is_small[isosurface.surface.triangles[whole[t]][0]]) continue;
-    LinkedTriangle& triangle = state.mesh.triangles[t];
-    for (const Index v : triangle.corner) state.mesh.incident[v] = kNoIndex;
-    triangle.corner[0] = kNoIndex;
-    state.proofs.proof[t].home = state.proofs.first[t] = kNoIndex;
+    if (is_small[isosurface.surface.triangles[whole[t]][0]]) drop_triangle(t, state.mesh, state.proofs);
   }
 }
 
@@ -469,7 +466,7 @@ SurfaceMesh surface_of(const Joined& joined, double voxel_mm) {
 
 // Measured on a skull of 534,714 triangles: the program itself; per triangle of the isosurface, what is kept
 // of pieces and for bands; per triangle of a piece, its working state.
-constexpr double kProgramBytes = 21 << 20, kKeptBytes = 60, kWorkingBytes = 320;
+constexpr double kProgramBytes = 21 * double{kMiB}, kKeptBytes = 60, kWorkingBytes = 320;
 constexpr int kLeastPieceVoxels = 16;  // along the longest side of the image
 
 double bytes_of(const Isosurface& isosurface) {
@@ -492,13 +489,13 @@ std::uint32_t pieces_within(const Isosurface& isosurface, const Context& context
   const int most = std::max(2, *std::max_element(dims.begin(), dims.end()) / kLeastPieceVoxels);
   const double pieces = std::max(2.0, std::ceil(working / std::max(1.0, budget - kept)));
   if (pieces <= most) return static_cast<std::uint32_t>(pieces);
-  constexpr double kMebibyte = 1 << 20;
   throw Error(
       ErrorKind::kLimit, "limit.memory",
       fmt::format(
           "decimating {} triangles needs more than the {:.0f} MiB that --memory allows, even in {} pieces",
-          isosurface.surface.triangles.size(), budget / kMebibyte, most),
-      fmt::format("allow at least --memory {:.0f}MiB", std::ceil((kept + working / most) / kMebibyte)));
+          isosurface.surface.triangles.size(), budget / static_cast<double>(kMiB), most),
+      fmt::format("allow at least --memory {:.0f}MiB",
+                  std::ceil((kept + working / most) / static_cast<double>(kMiB))));
 }
 
 SimplexMesh decimate_certified_in_pieces(const Isosurface& isosurface, std::uint32_t pieces,

@@ -45,7 +45,8 @@ class SheetGrid {
   // million cells. O(triangles + cells).
   SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels);
 
-  // Says that would_intersect will be asked of this proposal, so that the memory is on its way.
+  // Finds where would_intersect will look for this proposal, and has that memory on its way. To be called
+  // before it, with the proposal's place and the same scratch.
   void approach(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) const;
 
   // Whether a new triangle of the proposal would meet a triangle that stays, or another new one, in more than

@@ -13,6 +13,7 @@
 #include "stages/decimate/contour_model.h"
 #include "stages/decimate/decimate.h"
 #include "stages/marching_cubes/marching_cubes.h"
+#include "tests/unit/stages/decimate/open_shapes.h"
 #include "tests/unit/stages/decimate/paper_decimation.h"
 
 namespace periost {
@@ -20,20 +21,10 @@ namespace {
 
 using test::paper_options;
 
-// Where inside(p), p in voxels; the surface is open at the image border.
+// Where depth(p) >= 0, p in voxels; the surface is open at the image border.
 template <class Depth>
 Isosurface open_shape(std::array<std::int32_t, 3> dims, Depth depth, bool left_handed = false) {
-  const double c = std::cos(0.4), s = std::sin(0.4);
-  Image image{
-      {dims, {0.9, 1.1, 1.3}, {-31, 12, 55}, {{Vec3{c, 0, s}, {0, left_handed ? -1.0 : 1.0, 0}, {-s, 0, c}}}},
-      {}};
-  for (std::int32_t k = 0; k < dims[2]; ++k) {
-    for (std::int32_t j = 0; j < dims[1]; ++j) {
-      for (std::int32_t i = 0; i < dims[0]; ++i)
-        image.values.push_back(static_cast<float>(depth(Vec3{double(i), double(j), double(k)})));
-    }
-  }
-  return marching_cubes(image, {.lower = 0}, {.open = true}, Context());
+  return shapes::open_shape({-31, 12, 55}, dims, depth, left_handed);
 }
 
 // A tube that leaves through both ends of axis k, stepped like a mask.
