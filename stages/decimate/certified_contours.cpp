@@ -183,9 +183,9 @@ bool follows_contour(const CertifiedContours& contours, Index loop, double from,
   }
   const double end = from + contour_way(contours, loop, from, to);
   double reached = 0;
-  for (double i = std::floor(from) + 1; i < end; i += 1) {
+  for (auto i = static_cast<std::size_t>(from) + 1; static_cast<double>(i) < end; ++i) {
     double first = 0, last = 0;
-    if (!near_part(p, q, points[static_cast<std::size_t>(i) % points.size()], tolerance, first, last)) {
+    if (!near_part(p, q, points[i % points.size()], tolerance, first, last)) {
       return false;
     }
     reached = std::max(reached, first);
