@@ -24,6 +24,9 @@ std::uint64_t morton(std::int32_t i, std::int32_t j, std::int32_t k) {
          spread(static_cast<std::uint32_t>(k)) << 2;
 }
 
+// spread() of the places in a block.
+constexpr std::array<std::size_t, 8> kSpread{0, 1, 8, 9, 64, 65, 72, 73};
+
 std::array<std::int32_t, 3> cell_of(Vec3 index) {
   return {static_cast<std::int32_t>(std::floor(index.x)), static_cast<std::int32_t>(std::floor(index.y)),
           static_cast<std::int32_t>(std::floor(index.z))};
@@ -38,10 +41,12 @@ double squared_distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
 }
 
 std::vector<Index> sorted_by(const std::vector<std::uint64_t>& codes) {
-  std::vector<Index> order(codes.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return codes[a] != codes[b] ? codes[a] < codes[b] : a < b; });
+  std::vector<std::pair<std::uint64_t, Index>> sorted(codes.size());
+  for (Index i = 0; i < codes.size(); ++i) sorted[i] = {codes[i], i};
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<Index> order;
+  order.reserve(sorted.size());
+  for (const auto& [code, i] : sorted) order.push_back(i);
   return order;
 }
 
@@ -221,7 +226,9 @@ bool Reference::visit_cells(const CellRange& range, Visit&& visit) const {
                  static_cast<std::size_t>(block_count_[1]) * static_cast<std::size_t>(k / kSide));
         const std::uint32_t block = directory_[place];
         if (block == kNoIndex) continue;
-        const std::uint64_t cell = morton(i % kSide, j % kSide, k % kSide);
+        const std::size_t cell = kSpread[static_cast<std::size_t>(i % kSide)] |
+                                 kSpread[static_cast<std::size_t>(j % kSide)] << 1 |
+                                 kSpread[static_cast<std::size_t>(k % kSide)] << 2;
         for (Index t = block_[block][cell]; t < block_[block][cell + 1]; ++t) {
           if (!visit(t)) return false;
         }
@@ -254,6 +261,12 @@ bool Reference::is_near(Index triangle, Vec3 point, double squared_radius) const
 bool Reference::has_within(Vec3 point, double radius) const {
   return !visit_cells(cells_around(point, radius),
                       [&](Index t) { return !is_near(t, point, radius * radius); });
+}
+
+bool Reference::has_averted_within(Vec3 point, double radius, Vec3 facing) const {
+  return !visit_cells(cells_around(point, radius), [&](Index t) {
+    return dot(normals[t], facing) >= 0 || !is_near(t, point, radius * radius);
+  });
 }
 
 void Reference::within(Vec3 point, double radius, std::vector<Index>& found) const {

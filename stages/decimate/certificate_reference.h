@@ -46,6 +46,8 @@ class Reference {
   void within(Vec3 point, double radius, std::vector<Index>& found) const;
   // Whether there is any.
   bool has_within(Vec3 point, double radius) const;
+  // Whether there is any whose normal's product with `facing` is negative.
+  bool has_averted_within(Vec3 point, double radius, Vec3 facing) const;
 
   std::array<Vec3, 3> corners(Index triangle) const {
     const auto& c = triangles[triangle].corner;

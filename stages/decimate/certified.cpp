@@ -1,12 +1,14 @@
 #include "stages/decimate/certified.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/parallel.h"
@@ -77,8 +79,11 @@ std::size_t living_triangles(const CertifiedMesh& mesh) {
   return count;
 }
 
+// Where moves look for intersections: where sheets of the isosurface are close to one another, or everywhere.
+enum class Watch { kCloseSheets, kEverywhere };
+
 CertifiedState make_state(const Reference& reference, const Isosurface& isosurface,
-                          const DecimateOptions& options, const Context& context) {
+                          const DecimateOptions& options, Watch watch, const Context& context) {
   CertifiedMesh mesh = make_certified_mesh(reference);
   ReverseProofs proofs = make_reverse_proofs(reference.triangles.size());
   if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
@@ -89,7 +94,10 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
   CertifiedContours contours = make_contours(reference, mesh);
   std::vector<Quadric> quadrics = make_quadrics(reference);
   add_contour_quadrics(reference, mesh, quadrics);
-  SheetGrid sheets(reference, mesh, kSheetSide);
+  SheetGrid sheets = watch == Watch::kEverywhere
+                         ? SheetGrid(reference, mesh, kSheetSide)
+                         : SheetGrid(reference, mesh, kSheetSide,
+                                     close_sheets(reference, 2 * tolerance, context), tolerance);
   return {reference,
           std::move(mesh),
           std::move(proofs),
@@ -214,26 +222,34 @@ class Schedule {
     return living > options_.max_triangles ? (living - options_.max_triangles + 1) / 2 : 0;
   }
 
-  // Cuts space anew and runs `work` on every region, several at a time.
+  // Cuts space anew and runs `work` on every region, several at a time. The largest come first, so that no
+  // thread is left alone with one.
   template <class Work>
   void sweep(int topology_slack, Work&& work) {
     const std::size_t left = removals_left();
     std::size_t living = 0;
     for (const Index t : state_.mesh.incident) living += t != kNoIndex ? 1 : 0;
-    const auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++);
-    parallel_for(context_, regions.size(), [&](std::size_t i) {
-      const Region& region = regions[i];
+    auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++);
+    std::stable_sort(regions.begin(), regions.end(),
+                     [](const Region& a, const Region& b) { return a.vertices.size() > b.vertices.size(); });
+    std::atomic<std::size_t> next{0};
+    const std::size_t threads =
+        std::min(static_cast<std::size_t>(std::max(context_.threads, 1)), regions.size());
+    parallel_for(context_, threads, [&](std::size_t) {
       std::unique_ptr<Worker> worker = take_worker();
       worker->limits = limits_of(options_);
       worker->limits.topology += topology_slack;
-      worker->region_lo = region.lo;
-      worker->region_hi = region.hi;
-      worker->quota = left;
-      if (options_.max_triangles > 0) {
-        const double share = static_cast<double>(region.vertices.size()) / static_cast<double>(living);
-        worker->quota = static_cast<std::size_t>(std::ceil(share * static_cast<double>(left)));
+      for (std::size_t i = next++; i < regions.size(); i = next++) {
+        const Region& region = regions[i];
+        worker->region_lo = region.lo;
+        worker->region_hi = region.hi;
+        worker->quota = left;
+        if (options_.max_triangles > 0) {
+          const double share = static_cast<double>(region.vertices.size()) / static_cast<double>(living);
+          worker->quota = static_cast<std::size_t>(std::ceil(share * static_cast<double>(left)));
+        }
+        work(state_, *worker, region.vertices);
       }
-      work(state_, *worker, region.vertices);
       const std::lock_guard lock(mutex_);
       idle_.push_back(std::move(worker));
     });
@@ -305,23 +321,37 @@ DecimationReport make_report(const MoveCounts& counts, const Isosurface& isosurf
   return report;
 }
 
+// Where the result intersects itself though the isosurface does not.
+std::optional<Vec3> find_intersection(const SurfaceMesh& result, const Isosurface& isosurface,
+                                      const Context& context) {
+  const auto pairs = self_intersections(result, context, 1);
+  if (pairs.empty() || !self_intersections(isosurface.surface, context, 1).empty()) return std::nullopt;
+  return result.points[result.triangles[pairs[0].first][0]];
+}
+
 void require_no_intersection(const SurfaceMesh& result, const Isosurface& isosurface,
                              const Context& context) {
-  const auto pairs = self_intersections(result, context, 1);
-  if (pairs.empty() || !self_intersections(isosurface.surface, context, 1).empty()) return;
-  const Vec3 place = result.points[result.triangles[pairs[0].first][0]];
+  const auto place = find_intersection(result, isosurface, context);
+  if (!place) return;
   char where[96];
-  std::snprintf(where, sizeof where, "(%.2f, %.2f, %.2f) mm", place.x, place.y, place.z);
+  std::snprintf(where, sizeof where, "(%.2f, %.2f, %.2f) mm", place->x, place->y, place->z);
   throw Error(ErrorKind::kQuality, "decimate.self_intersection",
               std::string("the decimated surface intersects itself at ") + where,
               "a smaller distance keeps near sheets apart");
+}
+
+SimplexMesh with_report(const SurfaceMesh& surface, const MoveCounts& counts, const Isosurface& isosurface,
+                        const DecimateOptions& options) {
+  SimplexMesh mesh = dual_simplex_mesh(surface);
+  mesh.report = make_report(counts, isosurface, options, surface.triangles.size());
+  return mesh;
 }
 
 }  // namespace
 
 CertifiedState make_certified_state(const Reference& reference, const Isosurface& isosurface,
                                     const DecimateOptions& options, const Context& context) {
-  return make_state(reference, isosurface, options, context);
+  return make_state(reference, isosurface, options, Watch::kEverywhere, context);
 }
 
 MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options,
@@ -335,17 +365,25 @@ SimplexMesh finish_certified(const SurfaceMesh& surface, const MoveCounts& count
                              const Isosurface& isosurface, const DecimateOptions& options,
                              const Context& context) {
   require_no_intersection(surface, isosurface, context);
-  SimplexMesh mesh = dual_simplex_mesh(surface);
-  mesh.report = make_report(counts, isosurface, options, surface.triangles.size());
-  return mesh;
+  return with_report(surface, counts, isosurface, options);
 }
 
 SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptions& options,
                                Context& context) {
   const Reference reference(isosurface);
-  CertifiedState state = make_state(reference, isosurface, options, context);
-  const MoveCounts counts = run_certified_schedule(state, options, context);
-  return finish_certified(extract_surface(state), counts, isosurface, options, context);
+  MoveCounts counts;
+  const auto decimate = [&](Watch watch) {
+    CertifiedState state = make_state(reference, isosurface, options, watch, context);
+    counts = run_certified_schedule(state, options, context);
+    return extract_surface(state);
+  };
+  const SurfaceMesh surface = decimate(Watch::kCloseSheets);
+  if (!find_intersection(surface, isosurface, context)) {
+    return with_report(surface, counts, isosurface, options);
+  }
+  context.debug("decimate.again",
+                "the surface meets itself where its sheets seemed far apart: again, watched");
+  return finish_certified(decimate(Watch::kEverywhere), counts, isosurface, options, context);
 }
 
 }  // namespace periost

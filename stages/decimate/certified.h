@@ -23,7 +23,8 @@
 //
 // Why the topology stays. Removals meet the link condition and swaps never double an edge, so each component
 // stays a manifold of the same Euler number. Self-intersections are kept out move by move with exact
-// predicates, and looked for once more at the end.
+// predicates wherever sheets of the isosurface are close to one another (certified_sheets.h), and looked for
+// everywhere at the end; should there be one, all is done again with every place watched.
 //
 // Schedule. Swaps; removals by cost in stages, each up to the median cost of the edges left; final rounds of
 // removals of any cost, relocations to the quadric's place, fitting along the normal by half the mean signed

@@ -173,7 +173,7 @@ Refusal check_place(CertifiedState& state, Worker& worker, Vec3 facing, bool imp
   double gain = 0;
   if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) return Refusal::kAngle;
   if (improve_angles && gain < least_angle_gain(worker.limits)) return Refusal::kAngle;
-  return check_move(state, worker, facing, gain);
+  return check_move(state, worker, facing, gain, FirstAsked::kRing);
 }
 
 // A removal of the contour edge from u to v.

@@ -70,17 +70,17 @@ bool is_forward_certified(const CertifiedState& state, Worker& worker, Answer ri
 }
 
 // All criteria but link, topology and angles, cheap ones first.
-Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles) {
+Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_angles, FirstAsked asked) {
   Proposal& proposal = worker.proposal;
   if (!locate(state, worker, proposal, facing)) return Refusal::kDistance;
   state.sheets.approach(state.mesh, proposal, worker.sheets);
   if (!meets_sizes(state.sizes, state.mesh, proposal)) return Refusal::kSize;
   if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
   if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
-  // Most moves that mend angles are refused, and what is refused triangle by triangle is so sooner.
-  const Answer ring = mends_angles ? Answer::kUnknown
-                                   : certify_ring(state.reference, state.mesh, proposal, state.tolerance,
-                                                  worker.forward, worker.ring);
+  const Answer ring =
+      asked == FirstAsked::kTriangles
+          ? Answer::kUnknown
+          : certify_ring(state.reference, state.mesh, proposal, state.tolerance, worker.forward, worker.ring);
   if (!is_forward_certified(state, worker, ring)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
@@ -93,6 +93,10 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
     return Refusal::kSelfIntersection;
   }
   return Refusal::kNone;
+}
+
+FirstAsked first_asked(bool improve_angles) {
+  return improve_angles ? FirstAsked::kTriangles : FirstAsked::kRing;
 }
 
 Vec3 rim_centroid(const CertifiedMesh& mesh, const Proposal& proposal) {
@@ -119,7 +123,7 @@ Refusal place_merged(const CertifiedState& state, Worker& worker, Vec3 normal, d
 
 // Topology and the rest for a removal, at its place and a little above and below.
 Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, double gain) {
-  Refusal refusal = check_move(state, worker, normal, gain);
+  Refusal refusal = check_move(state, worker, normal, gain, FirstAsked::kRing);
   const Vec3 place = worker.proposal.place;
   const double side = dot(place - rim_centroid(state.mesh, worker.proposal), normal) > 0 ? 1 : -1;
   for (const double height : kHeights) {
@@ -127,17 +131,17 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
     if (refusal != Refusal::kDistance && refusal != Refusal::kReverse) break;
     worker.proposal.place = place + normal * (side * height * state.tolerance);
     if (!meets_angles(state.mesh, worker.proposal, worker.limits, &gain)) continue;
-    refusal = check_move(state, worker, normal, gain);
+    refusal = check_move(state, worker, normal, gain, FirstAsked::kRing);
   }
   return refusal;
 }
 
 }  // namespace
 
-Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain) {
+Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain, FirstAsked asked) {
   const bool mends = gain > least_angle_gain(worker.limits);
   if (!meets_topology(state.mesh, worker.proposal, worker.limits, mends)) return Refusal::kTopology;
-  return check(state, worker, facing, mends);
+  return check(state, worker, facing, mends, asked);
 }
 
 void commit_move(CertifiedState& state, Worker& worker) {
@@ -240,7 +244,7 @@ bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::si
     double gain = 0;
     if (!meets_angles(state.mesh, proposal, worker.limits, &gain) || gain < least_angle_gain(worker.limits))
       continue;
-    if (check_move(state, worker, normal, gain) != Refusal::kNone) continue;
+    if (check_move(state, worker, normal, gain, FirstAsked::kTriangles) != Refusal::kNone) continue;
     commit_move(state, worker);
     ++worker.counts.removals;
     return true;
@@ -263,7 +267,7 @@ bool try_swap(CertifiedState& state, Worker& worker, Index t, std::size_t k, boo
   if (refusal == Refusal::kNone && !meets_topology(state.mesh, proposal, worker.limits, mends)) {
     refusal = Refusal::kTopology;
   }
-  if (refusal == Refusal::kNone) refusal = check(state, worker, {}, mends);
+  if (refusal == Refusal::kNone) refusal = check(state, worker, {}, mends, first_asked(improve_angles));
   if (refusal != Refusal::kNone) return refuse_move(state, worker, refusal, u);
   commit_move(state, worker);
   ++worker.counts.swaps;
@@ -291,7 +295,7 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
           gain < least_angle_gain(worker.limits)) {
         continue;
       }
-      if (check_move(state, worker, normal, gain) != Refusal::kNone) continue;
+      if (check_move(state, worker, normal, gain, FirstAsked::kTriangles) != Refusal::kNone) continue;
       const Vec3 plane = state.reference.normals[proposal.place_nearest];
       state.quadrics[vertex] = {};
       state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
@@ -317,7 +321,8 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
   if (!meets_angles(state.mesh, proposal, worker.limits, &gain)) return false;
   if (improve_angles && gain < least_angle_gain(worker.limits)) return false;
   const Vec3 facing = state.reference.normals[state.mesh.nearest[vertex]];
-  if (check(state, worker, facing, gain > least_angle_gain(worker.limits)) != Refusal::kNone) return false;
+  const bool mends = gain > least_angle_gain(worker.limits);
+  if (check(state, worker, facing, mends, first_asked(improve_angles)) != Refusal::kNone) return false;
   commit_move(state, worker);
   ++worker.counts.relocations;
   return true;

@@ -47,7 +47,8 @@ struct MoveCounts {
 struct Worker {
   GuardLimits limits;
   std::size_t quota = std::numeric_limits<std::size_t>::max();  // removals that passes may still make
-  bool is_thorough = true;                                      // removals are tried at several heights
+  // Removals are tried at several heights, and edges around them swapped at once where D asks for it.
+  bool is_thorough = true;
   Proposal proposal;
   RingScratch ring;
   ForwardScratch forward;
@@ -79,10 +80,14 @@ bool try_relocation(CertifiedState& state, Worker& worker, Index vertex, Vec3 pl
 // Takes its ids from worker.dead_*; false when there are none.
 bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k);
 
+// Which certificate is asked first: the overlay of the ring, or each triangle's own. Of moves tried to mend
+// angles most are refused, and what is refused triangle by triangle is so sooner.
+enum class FirstAsked { kRing, kTriangles };
+
 // Steps that moves share. `check_move`: all criteria but link and angles on worker.proposal, whose sum of
 // angle deficits falls by `gain`; `facing`: a direction that the isosurface at the place faces. `commit_move`
 // applies what it accepted. `refuse_move` counts a refusal at a vertex and returns false.
-Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain);
+Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain, FirstAsked asked);
 void commit_move(CertifiedState& state, Worker& worker);
 bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex);
 // Smaller falls of the sum of angle deficits do not count.

@@ -8,11 +8,13 @@
 namespace periost {
 namespace {
 
-constexpr std::size_t kQueueSize = 1000;  // living vertices of one queue
+constexpr std::size_t kQueueSize = 300;  // living vertices of one queue: what they read stays in the cache
 constexpr double kRelocationStrength = 1.0;
 constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
 constexpr int kSwapRounds = 4;        // around one removal
-constexpr double kLeastFit = 0.02;    // tolerances: smaller mean heights are left
+// D beyond which an edge near a removal is swapped: at once, or while later removals are likely to mend it.
+constexpr int kMostDifference = 2, kMostDifferenceEarly = 4;
+constexpr double kLeastFit = 0.02;  // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
 // Tell what was tried in a neighbourhood: by sliver_pass without insertions, and with them.
@@ -137,11 +139,12 @@ EdgeOfTriangle edge_at(const CertifiedMesh& mesh, const Star& ring, std::size_t 
   return {t, mesh.triangles[t].slot_of(opposite)};
 }
 
-// Swaps one edge with D > 2 among those of the star's triangles.
-bool swap_one(CertifiedState& state, Worker& worker, const Star& star) {
+// Swaps one edge with a greater D among those of the star's triangles.
+bool swap_one(CertifiedState& state, Worker& worker, const Star& star, int most_difference) {
   for (const Index t : star.triangle) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (state.mesh.triangles[t].across[k] == kNoIndex || topological_difference(state.mesh, t, k) <= 2) {
+      if (state.mesh.triangles[t].across[k] == kNoIndex ||
+          topological_difference(state.mesh, t, k) <= most_difference) {
         continue;
       }
       if (try_swap(state, worker, t, k, false)) return true;
@@ -324,6 +327,7 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
   Candidate candidate{};
   Star star;
   std::size_t spoke = 0;
+  const int most_difference = worker.is_thorough ? kMostDifference : kMostDifferenceEarly;
   for (const Index* begin = vertices.data(); begin != end && worker.quota > 0;) {
     const Index* stop = begin;
     for (std::size_t living = 0; stop != end && living < kQueueSize; ++stop) {
@@ -336,7 +340,7 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
       --worker.quota;
       const Index merged = worker.proposal.moved;
       for (int round = 0; round < kSwapRounds && gather_ring(state.mesh, merged, star); ++round) {
-        if (!swap_one(state, worker, star)) break;
+        if (!swap_one(state, worker, star, most_difference)) break;
       }
       queue.push_edges_of(merged);
     }
@@ -345,7 +349,8 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
 }
 
 void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
-  for_free_rings(state.mesh, vertices, [&](Index, const Star& ring) { swap_one(state, worker, ring); });
+  for_free_rings(state.mesh, vertices,
+                 [&](Index, const Star& ring) { swap_one(state, worker, ring, kMostDifference); });
 }
 
 void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pipeline/base/parallel.h"
 #include "pipeline/geometry/predicates.h"
 
 namespace periost {
@@ -101,12 +102,60 @@ bool meets_neighbours(const CertifiedMesh& mesh, const Proposal& proposal, const
 
 }  // namespace
 
+std::vector<Index> close_sheets(const Reference& reference, double gap, const Context& context) {
+  constexpr std::size_t kBlock = 4096;
+  std::vector<std::uint8_t> is_close(reference.triangles.size(), 0);
+  parallel_blocks(context, is_close.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto c = reference.corners(static_cast<Index>(t));
+      const Vec3 centroid = (c[0] + c[1] + c[2]) / 3;
+      const double radius = std::sqrt(std::max(
+          {squared_norm(c[0] - centroid), squared_norm(c[1] - centroid), squared_norm(c[2] - centroid)}));
+      is_close[t] = reference.has_averted_within(centroid, radius + gap, reference.normals[t]) ? 1 : 0;
+    }
+  });
+  std::vector<Index> close;
+  for (Index t = 0; t < is_close.size(); ++t) {
+    if (is_close[t]) close.push_back(t);
+  }
+  return close;
+}
+
 SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels)
     : side_(side_voxels) {
   if (mesh.points.empty()) return;
   while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
   cells_.resize(choose_cells(mesh, reference.frame()));
+  is_watched_.assign(cells_.size(), 1);
   refill(mesh);
+}
+
+SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels,
+                     const std::vector<Index>& close, double reach)
+    : side_(side_voxels) {
+  if (mesh.points.empty()) return;
+  while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
+  cells_.resize(choose_cells(mesh, reference.frame()));
+  is_watched_.assign(cells_.size(), 0);
+  Vec3 margin;
+  for (std::size_t axis = 0; axis < 3; ++axis) margin[axis] = reach * norm(row_[axis]);
+  for (const Index t : close) {
+    Box box;
+    for (const Vec3& corner : reference.corners(t)) box.add(to_grid(corner));
+    watch({box.lo - margin, box.hi + margin});
+  }
+  refill(mesh);
+}
+
+void SheetGrid::watch(const Box& box) {
+  const auto [first, last] = range_of(box);
+  for (std::int32_t k = first[2]; k <= last[2]; ++k) {
+    for (std::int32_t j = first[1]; j <= last[1]; ++j) {
+      for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+        is_watched_[row_of(j, k) + static_cast<std::size_t>(i)] = 1;
+      }
+    }
+  }
 }
 
 // Sets the map and the extent for cells of the present side; how many there would be.
@@ -130,10 +179,7 @@ std::size_t SheetGrid::choose_cells(const CertifiedMesh& mesh, const GridFrame& 
 void SheetGrid::refill(const CertifiedMesh& mesh) {
   for (auto& cell : cells_) cell.clear();
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
-    if (!mesh.triangles[t].is_alive()) continue;
-    Box box;
-    for (const Vec3& corner : corners_now(mesh, t)) box.add(to_grid(corner));
-    insert(t, box);
+    if (mesh.triangles[t].is_alive()) insert(mesh, t);
   }
 }
 
@@ -147,8 +193,8 @@ SheetGrid::Range SheetGrid::range_of(const Box& box) const {
   return range;
 }
 
-// Visits the cells that a box meets, with the part of each that it takes, until `visit` returns false;
-// whether none did.
+// Visits the watched cells that a box meets, with the part of each that it takes, until `visit` returns
+// false; whether none did.
 template <class Visit>
 bool SheetGrid::for_cells(const Box& box, Visit&& visit) {
   const auto [first, last] = range_of(box);
@@ -158,11 +204,13 @@ bool SheetGrid::for_cells(const Box& box, Visit&& visit) {
     for (std::int32_t j = first[1]; j <= last[1]; ++j) {
       const std::uint32_t lo_yz = part_below(box.lo.y - kBeyondCell, j) << 8 | lo_z;
       const std::uint32_t hi_yz = part_above(box.hi.y + kBeyondCell, j) << 8 | hi_z;
-      auto* const cells = cells_.data() + row_of(j, k);
+      const std::size_t row = row_of(j, k);
       for (std::int32_t i = first[0]; i <= last[0]; ++i) {
+        const std::size_t cell = row + static_cast<std::size_t>(i);
+        if (!is_watched_[cell]) continue;
         const std::uint32_t lo = part_below(box.lo.x - kBeyondCell, i) | lo_yz;
         const std::uint32_t hi = part_above(box.hi.x + kBeyondCell, i) | hi_yz;
-        if (!visit(cells[i], lo, hi)) return false;
+        if (!visit(cells_[cell], lo, hi)) return false;
       }
     }
   }
@@ -176,13 +224,18 @@ void SheetGrid::approach(const CertifiedMesh& mesh, const Proposal& proposal, Sh
   const auto [first, last] = range_of(scratch.grid_box);
   for (std::int32_t k = first[2]; k <= last[2]; ++k) {
     for (std::int32_t j = first[1]; j <= last[1]; ++j) {
-      const auto* const cells = cells_.data() + row_of(j, k);
-      for (std::int32_t i = first[0]; i <= last[0]; ++i) __builtin_prefetch(cells[i].data());
+      const std::size_t row = row_of(j, k);
+      for (std::size_t i = row + static_cast<std::size_t>(first[0]);
+           i <= row + static_cast<std::size_t>(last[0]); ++i) {
+        if (is_watched_[i]) __builtin_prefetch(cells_[i].data());
+      }
     }
   }
 }
 
-void SheetGrid::insert(Index triangle, const Box& box) {
+void SheetGrid::insert(const CertifiedMesh& mesh, Index triangle) {
+  Box box;
+  for (const Vec3& corner : corners_now(mesh, triangle)) box.add(to_grid(corner));
   for_cells(box, [&](std::vector<Entry>& list, std::uint32_t lo, std::uint32_t hi) {
     const auto same = [&](const Entry& entry) { return entry.triangle == triangle; };
     const auto found = std::find_if(list.begin(), list.end(), same);
@@ -196,11 +249,7 @@ void SheetGrid::insert(Index triangle, const Box& box) {
 }
 
 void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal) {
-  for (const Index t : proposal.after) {
-    Box box;
-    for (const Vec3& corner : corners_now(mesh, t)) box.add(to_grid(corner));
-    insert(t, box);
-  }
+  for (const Index t : proposal.after) insert(mesh, t);
 }
 
 // All new triangles are looked at together, so that what is near them is fetched once.

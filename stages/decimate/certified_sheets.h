@@ -3,6 +3,7 @@
 // found in a grid of the output's triangles.
 #include <vector>
 
+#include "pipeline/base/context.h"
 #include "stages/decimate/certified_mesh.h"
 
 namespace periost {
@@ -36,6 +37,10 @@ struct SheetScratch {
   std::vector<Box> box;      // of the new triangles
 };
 
+// The isosurface triangles that have another, which faces away from them, within `gap` (mm) at the most:
+// those on thin walls, in narrow clefts and at sharp edges. O(n), on all threads.
+std::vector<Index> close_sheets(const Reference& reference, double gap, const Context& context);
+
 // A grid over the working mesh. A triangle stands in every cell that its bounding box has touched since it
 // was entered; those removed are dropped when they are met. Moves in disjoint regions whose borders lie on
 // cell borders touch disjoint cells.
@@ -44,6 +49,13 @@ class SheetGrid {
   // Cells have `side_voxels` voxels a side, in the image's own axes; more where that would be more than four
   // million cells. O(triangles + cells).
   SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels);
+
+  // A grid that watches only cells within `reach` (mm) of some isosurface triangles. A surface within t of
+  // the isosurface on both sides can meet itself only where two sheets of that are within 2 t of each other,
+  // or where it folds over, which its own criterion refuses: with close_sheets(reference, 2 t) hardly any
+  // intersection goes unseen, and what does is for a check of the whole to find.
+  SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels,
+            const std::vector<Index>& close, double reach);
 
   // Finds where would_intersect will look for this proposal, and has that memory on its way. To be called
   // before it, with the proposal's place and the same scratch.
@@ -77,7 +89,8 @@ class SheetGrid {
     return {dot(row_[0], p) + shift_.x, dot(row_[1], p) + shift_.y, dot(row_[2], p) + shift_.z};
   }
   std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
-  void insert(Index triangle, const Box& box);
+  void watch(const Box& box);
+  void insert(const CertifiedMesh& mesh, Index triangle);
   bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
   struct Range {
     std::array<std::int32_t, 3> first, last;  // cells, inclusive
@@ -95,6 +108,7 @@ class SheetGrid {
   Vec3 shift_;
   std::array<std::int32_t, 3> count_{};
   std::vector<std::vector<Entry>> cells_;
+  std::vector<std::uint8_t> is_watched_;  // of cells; others stay empty
 };
 
 }  // namespace periost
