@@ -36,7 +36,7 @@ std::string version_text() {
   return text;
 }
 
-int run_program(CLI::App& app, Session& session, int argc, char** argv) {
+int parse_and_run(CLI::App& app, Session& session, int argc, char** argv) {
   try {
     app.parse(argc, argv);
     return session.exit_code;
@@ -45,21 +45,10 @@ int run_program(CLI::App& app, Session& session, int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return fail(ErrorKind::kUsage, "usage.command_line", usage_sentence(app, session.arguments, error),
                 "see 'periost --help'");
-  } catch (const Error& error) {
-    return fail(error.kind(), error.code(), error.what(), error.hint());
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::kLimit, "limit.memory", "there is not enough memory");
-  } catch (const std::exception& error) {
-    return fail(ErrorKind::kInternal, "internal.unexpected", fmt::format("unexpected: {}", error.what()),
-                "this is a fault of Periost; please report it");
   }
 }
 
-}  // namespace
-}  // namespace periost
-
-int main(int argc, char** argv) {
-  using namespace periost;
+int run_program(int argc, char** argv) {
   Session session;
   std::error_code ignored;
   session.program = std::filesystem::canonical("/proc/self/exe", ignored);
@@ -70,5 +59,22 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version_text(), "Version of Periost and of its libraries.");
   app.footer("Every command has its own help: periost COMMAND --help");
   add_commands(app, session);
-  return run_program(app, session, argc, argv);
+  return parse_and_run(app, session, argc, argv);
+}
+
+}  // namespace
+}  // namespace periost
+
+int main(int argc, char** argv) {
+  using namespace periost;
+  try {
+    return run_program(argc, argv);
+  } catch (const Error& error) {
+    return fail(error.kind(), error.code(), error.what(), error.hint());
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::kLimit, "limit.memory", "there is not enough memory");
+  } catch (const std::exception& error) {
+    return fail(ErrorKind::kInternal, "internal.unexpected", fmt::format("unexpected: {}", error.what()),
+                "this is a fault of Periost; please report it");
+  }
 }

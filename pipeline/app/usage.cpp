@@ -35,7 +35,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 std::string unknown_option(const CLI::App& command, const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     if (argument.size() < 2 || argument[0] != '-') continue;
-    const std::string name = argument.substr(0, argument.find('='));
+    std::string name = argument.substr(0, argument.find('='));
     if (command.get_option_no_throw(name) == nullptr) return name;
   }
   return {};

@@ -41,7 +41,7 @@ struct Override {
 // all up to the next dot or bracket.
 std::string take_key(std::string_view& path, const Value& map) {
   const auto cut = [&](std::size_t length, std::size_t skip) {
-    const std::string key(path.substr(0, length));
+    std::string key(path.substr(0, length));
     path.remove_prefix(std::min(length + skip, path.size()));
     if (!path.empty() && path.front() == '.') path.remove_prefix(1);
     return key;
