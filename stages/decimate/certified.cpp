@@ -82,35 +82,45 @@ std::size_t living_triangles(const CertifiedMesh& mesh) {
 // Where moves look for intersections: where sheets of the isosurface are close to one another, or everywhere.
 enum class Watch { kCloseSheets, kEverywhere };
 
-CertifiedState make_state(const Reference& reference, const Isosurface& isosurface,
-                          const DecimateOptions& options, Watch watch, const Context& context) {
-  CertifiedMesh mesh = make_certified_mesh(reference);
-  ReverseProofs proofs = make_reverse_proofs(reference.triangles.size());
-  if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
-    drop_small_components(static_cast<std::size_t>(options.small_triangles), mesh, proofs);
-  }
+SheetGrid make_sheets(const Reference& reference, const CertifiedMesh& mesh, Watch watch, double tolerance,
+                      const Context& context) {
+  if (watch == Watch::kEverywhere) return {reference, mesh, kSheetSide};
+  return {reference, mesh, kSheetSide, close_sheets(reference, 2 * tolerance, context), tolerance};
+}
+
+CertifiedState assemble(const Reference& reference, const Isosurface& isosurface, StateParts parts,
+                        const DecimateOptions& options, Watch watch, const Context& context) {
   const double tolerance = tolerance_mm(isosurface, options) * (1 - kRounding);
-  mesh.least_step = kNoticedStep * tolerance;
-  CertifiedContours contours = make_contours(reference, mesh);
-  std::vector<Quadric> quadrics = make_quadrics(reference);
-  add_contour_quadrics(reference, mesh, quadrics);
-  SheetGrid sheets = watch == Watch::kEverywhere
-                         ? SheetGrid(reference, mesh, kSheetSide)
-                         : SheetGrid(reference, mesh, kSheetSide,
-                                     close_sheets(reference, 2 * tolerance, context), tolerance);
+  parts.mesh.least_step = kNoticedStep * tolerance;
+  SheetGrid sheets = make_sheets(reference, parts.mesh, watch, tolerance, context);
+  const std::size_t triangles = parts.mesh.triangles.size(), points = parts.mesh.points.size();
   return {reference,
-          std::move(mesh),
-          std::move(proofs),
-          std::move(quadrics),
+          std::move(parts.mesh),
+          std::move(parts.proofs),
+          std::move(parts.quadrics),
           std::move(sheets),
           make_size_limits(isosurface, reference, options, context),
           tolerance,
           tolerance * reverse_scale(options.reverse),
-          std::vector<std::uint32_t>(3 * reference.triangles.size(), 0),
-          std::vector<std::uint32_t>(reference.triangles.size(), 0),
-          std::vector<std::uint32_t>(reference.points.size(), 0),
-          std::vector<std::uint8_t>(reference.points.size(), 0),
-          std::move(contours)};
+          std::vector<std::uint32_t>(3 * triangles, 0),
+          std::vector<std::uint32_t>(triangles, 0),
+          std::vector<std::uint32_t>(points, 0),
+          std::vector<std::uint8_t>(points, 0),
+          std::move(parts.contours)};
+}
+
+CertifiedState make_state(const Reference& reference, const Isosurface& isosurface,
+                          const DecimateOptions& options, Watch watch, const Context& context) {
+  StateParts parts{make_certified_mesh(reference),
+                   make_reverse_proofs(reference.triangles.size()),
+                   make_quadrics(reference),
+                   {}};
+  if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
+    drop_small_components(static_cast<std::size_t>(options.small_triangles), parts.mesh, parts.proofs);
+  }
+  parts.contours = make_contours(reference, parts.mesh);
+  add_contour_quadrics(reference, parts.mesh, parts.quadrics);
+  return assemble(reference, isosurface, std::move(parts), options, watch, context);
 }
 
 GuardLimits limits_of(const DecimateOptions& options) {
@@ -131,7 +141,19 @@ class Schedule {
         context_(context),
         progress_(context, "decimating", kStages + kFinalRounds + 3) {}
 
-  void run() {
+  void run(Extent extent) {
+    remove_by_cost();
+    if (extent == Extent::kToTheEnd) finish();
+  }
+
+  MoveCounts counts() const {
+    MoveCounts sum;
+    for (const auto& worker : idle_) sum += worker->counts;
+    return sum;
+  }
+
+ private:
+  void remove_by_cost() {
     sweep(kTopologySlack, swap_pass);
     for (int stage = 0; stage < kStages && removals_left() > 0; ++stage) {
       const double limit = median_removal_cost(state_);
@@ -142,6 +164,9 @@ class Schedule {
       });
       end_step("stage");
     }
+  }
+
+  void finish() {
     for (int round = 0; round < kFinalRounds; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
       sweep(kTopologySlack, final_round);
@@ -161,13 +186,6 @@ class Schedule {
     end_step("angles");
   }
 
-  MoveCounts counts() const {
-    MoveCounts sum;
-    for (const auto& worker : idle_) sum += worker->counts;
-    return sum;
-  }
-
- private:
   // The steps of the law of motion, each within what is proved.
   void deform() {
     Motion motion;
@@ -349,15 +367,20 @@ SimplexMesh with_report(const SurfaceMesh& surface, const MoveCounts& counts, co
 
 }  // namespace
 
+CertifiedState assemble_state(const Reference& reference, const Isosurface& isosurface, StateParts parts,
+                              const DecimateOptions& options, const Context& context) {
+  return assemble(reference, isosurface, std::move(parts), options, Watch::kEverywhere, context);
+}
+
 CertifiedState make_certified_state(const Reference& reference, const Isosurface& isosurface,
                                     const DecimateOptions& options, const Context& context) {
   return make_state(reference, isosurface, options, Watch::kEverywhere, context);
 }
 
-MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options,
+MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options, Extent extent,
                                   const Context& context) {
   Schedule schedule(state, options, context);
-  schedule.run();
+  schedule.run(extent);
   return schedule.counts();
 }
 
@@ -374,7 +397,7 @@ SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptio
   MoveCounts counts;
   const auto decimate = [&](Watch watch) {
     CertifiedState state = make_state(reference, isosurface, options, watch, context);
-    counts = run_certified_schedule(state, options, context);
+    counts = run_certified_schedule(state, options, Extent::kToTheEnd, context);
     return extract_surface(state);
   };
   const SurfaceMesh surface = decimate(Watch::kCloseSheets);

@@ -21,9 +21,11 @@
 namespace periost {
 
 // As decimate_certified; `pieces` > 1. Fewer where the image has too few planes. Bits depend on the number of
-// pieces, not on threads.
+// pieces, not on threads, nor on the order in which pieces and slabs are taken: ascending, or as drawn with
+// an `order_seed` other than 0.
 SimplexMesh decimate_certified_in_pieces(const Isosurface& isosurface, std::uint32_t pieces,
-                                         const DecimateOptions& options, Context& context);
+                                         const DecimateOptions& options, Context& context,
+                                         std::uint64_t order_seed = 0);
 
 // The number of pieces with which decimate_certified keeps within context.memory_bytes; 1 without a budget.
 // From sizes and measured bytes per triangle alone. Throws Error{kLimit, "limit.memory"} that states the
@@ -34,8 +36,22 @@ std::uint32_t pieces_within(const Isosurface& isosurface, const Context& context
 // model of the result.
 CertifiedState make_certified_state(const Reference& reference, const Isosurface& isosurface,
                                     const DecimateOptions& options, const Context& context);
-MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options,
+
+// What a state is made of that is not the same for all.
+struct StateParts {
+  CertifiedMesh mesh;
+  ReverseProofs proofs;
+  std::vector<Quadric> quadrics;
+  CertifiedContours contours;
+};
+CertifiedState assemble_state(const Reference& reference, const Isosurface& isosurface, StateParts parts,
+                              const DecimateOptions& options, const Context& context);
+
+// How far the schedule runs: through the removals in stages by cost, or altogether.
+enum class Extent { kByCost, kToTheEnd };
+MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options, Extent extent,
                                   const Context& context);
+
 SimplexMesh finish_certified(const SurfaceMesh& surface, const MoveCounts& counts,
                              const Isosurface& isosurface, const DecimateOptions& options,
                              const Context& context);
