@@ -62,6 +62,12 @@ void lock_cuts(const CutPlanes& planes, CertifiedState& state) {
   }
 }
 
+void unbound(CertifiedContours& contours) {
+  const CertifiedContours none;
+  contours.lo = none.lo;
+  contours.hi = none.hi;
+}
+
 // Bounds a piece by its cuts, so that it does not reach into others.
 void keep_between_cuts(const CutPlanes& planes, std::size_t part, CertifiedContours& contours) {
   const auto axis = static_cast<std::size_t>(planes.axis);
@@ -120,8 +126,7 @@ DecimatedPiece decimate_piece(const Isosurface& isosurface, const SlabPlan& plan
                             frozen_triangles(state.mesh) + 1;
   }
   // Cuts of a closed surface meet the border planes of the image, but do not run along them.
-  if (!isosurface.is_open)
-    state.contours.lo = CertifiedContours().lo, state.contours.hi = CertifiedContours().hi;
+  if (!isosurface.is_open) unbound(state.contours);
   const Vec3 lo = state.contours.lo, hi = state.contours.hi;
   keep_between_cuts(plan.planes, part, state.contours);
   // Contours of an open surface are decimated in this phase only.

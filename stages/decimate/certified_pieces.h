@@ -1,20 +1,27 @@
 #pragma once
 // The certified scheme by pieces (paper, section 4.5), for isosurfaces whose working state would not fit in
-// memory as a whole. The isosurface is cut along planes of its image; every piece is decimated by itself, its
-// cut contours locked; the pieces are joined by their common points; then a band around each seam is
-// decimated by the same rules. The working state of one piece or band is alive at a time.
+// memory as a whole. The isosurface is cut along planes of its image, and decimated in three phases; the
+// working state of one piece or slab is alive at a time.
+// 1. Every piece by itself, its cut contours locked, through the removals in stages by cost only: pieces
+//    decimated to the end would leave a dense strip at each cut between triangles that no longer yield. The
+//    pieces are joined by their common points.
+// 2. Slabs from the middle of one piece to the middle of the next, all to the end: each cut lies inside one.
+// 3. Bands about these middles, to the end.
 //
 // Why the proofs of certified.h hold for the whole. A piece proves F against its own part of the isosurface,
-// which is a part of the whole, and R for its own part; so the joined mesh has both. A band has the
-// isosurface triangles of the cells around a seam with their proofs, and all output triangles that meet these
-// cells' slab. F: new triangles are proved against the band's isosurface, a part of the whole. R: a move
-// changes triangles of one ring of vertices that are free in the band. A vertex is free only if it lies in
-// the slab and every isosurface triangle that names one of its triangles, as home or label, is in the band;
-// so every proof that a move may hurt is there to be renewed. Intersections: pieces stay between their cuts,
-// a free ring stays in the slab, and all that meets the slab is in the band. Contours of an open surface (C)
-// are decimated in the pieces and keep their place in the bands.
+// which is a part of the whole, and R for its own part; so the joined mesh has both. A slab has the
+// isosurface triangles of its cells with their proofs, and all output triangles that meet it. F: new
+// triangles are proved against the slab's isosurface, a part of the whole. R: a move replaces triangles of
+// one ring, whose vertices are all free. Free are vertices within the slab; and of a triangle that a proof of
+// another slab's isosurface names, as home or label, one vertex at least is not, so that it stays. So every
+// proof that a move may hurt is there to be renewed, and what proofs in the slab rest on outside of it does
+// not move. Intersections: pieces stay between their cuts, a free ring stays in the slab, and all that meets
+// the slab is in its mesh. Contours of an open surface (C) are decimated in the pieces, which then go to the
+// end, and keep their place in slabs.
 //
-// Bands are apart, so neither the order of pieces nor that of bands matters.
+// Slabs of a phase do not overlap. A triangle over a border between two has vertices that are locked in both,
+// so neither changes it; and which triangles stay for the sake of other slabs' proofs follows from the proofs
+// before the phase. So the order of slabs does not matter, nor does that of pieces.
 #include "stages/decimate/certified_moves.h"
 #include "stages/decimate/decimate.h"
 
