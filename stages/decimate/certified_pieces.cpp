@@ -207,7 +207,7 @@ SimplexMesh decimate_certified_in_pieces(const Isosurface& isosurface, std::uint
   context.info("decimate.pieces", fmt::format("cut across axis {} at the voxels {}", "ijk"[axis],
                                               fmt::join(plan.planes.at, ", ")));
   JoinedMesh joined = decimate_pieces(isosurface, plan, order_seed, options, context);
-  for (const std::vector<Slab>& slabs : {plan.shifted, plan.bands}) {
+  for (const std::vector<Slab>& slabs : {plan.shifted, plan.bands, plan.seams}) {
     decimate_slabs(isosurface, axis, slabs, order_of(slabs.size(), order_seed), options, context, joined);
   }
   SimplexMesh mesh = finish_certified(surface_of(joined, isosurface.frame.largest_spacing()), joined.counts,

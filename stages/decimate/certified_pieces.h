@@ -1,12 +1,12 @@
 #pragma once
 // The certified scheme by pieces (paper, section 4.5), for isosurfaces whose working state would not fit in
-// memory as a whole. The isosurface is cut along planes of its image, and decimated in three phases; the
+// memory as a whole. The isosurface is cut along planes of its image, and decimated in phases; the
 // working state of one piece or slab is alive at a time.
 // 1. Every piece by itself, its cut contours locked, through the removals in stages by cost only: pieces
 //    decimated to the end would leave a dense strip at each cut between triangles that no longer yield. The
 //    pieces are joined by their common points.
 // 2. Slabs from the middle of one piece to the middle of the next, all to the end: each cut lies inside one.
-// 3. Bands about these middles, to the end.
+// 3. Bands about these middles, and about cuts that such bands come up to, to the end.
 //
 // Why the proofs of certified.h hold for the whole. A piece proves F against its own part of the isosurface,
 // which is a part of the whole, and R for its own part; so the joined mesh has both. A slab has the

@@ -24,10 +24,11 @@ void for_triangles(const Isosurface& isosurface, int axis, Visit&& visit) {
 
 // The plane inside of a slab that halves its triangles; its first when there is none inside.
 std::int32_t middle_of(const std::vector<std::uint64_t>& count, Slab slab) {
+  const auto count_of = [&](std::int32_t cell) { return count[static_cast<std::size_t>(cell) + 1]; };
   std::uint64_t all = 0, below = 0;
-  for (std::int32_t c = slab.first; c < slab.last; ++c) all += count[static_cast<std::size_t>(c + 1)];
+  for (std::int32_t c = slab.first; c < slab.last; ++c) all += count_of(c);
   for (std::int32_t c = slab.first; c + 1 < slab.last; ++c) {
-    below += count[static_cast<std::size_t>(c + 1)];
+    below += count_of(c);
     if (2 * below >= all) return c + 1;
   }
   return slab.first;
@@ -56,7 +57,7 @@ SlabPlan plan_slabs(const Isosurface& isosurface, std::uint32_t pieces) {
 
   std::vector<std::uint64_t> count(static_cast<std::size_t>(end) + 1, 0);  // of cell c at c + 1
   for_triangles(isosurface, plan.planes.axis,
-                [&](Index, std::int32_t cell) { ++count[static_cast<std::size_t>(cell + 1)]; });
+                [&](Index, std::int32_t cell) { ++count[static_cast<std::size_t>(cell) + 1]; });
   const int width = static_cast<int>(std::ceil(kBandVoxels * frame.largest_spacing() / frame.spacing[axis]));
   std::vector<std::int32_t> middles;
   for (const Slab& piece : plan.pieces) {
@@ -67,6 +68,16 @@ SlabPlan plan_slabs(const Isosurface& isosurface, std::uint32_t pieces) {
     plan.bands.push_back({std::max(piece.first, middle - width), std::min(piece.last, middle + width)});
   }
   plan.shifted = slabs_between(middles, end);
+  for (const std::int32_t plane : plan.planes.at) {
+    const bool is_reached = std::any_of(plan.bands.begin(), plan.bands.end(), [&](const Slab& band) {
+      return band.first == plane || band.last == plane;
+    });
+    if (!is_reached) continue;
+    const auto next = std::upper_bound(middles.begin(), middles.end(), plane);
+    const std::int32_t above = next == middles.end() ? end : *next;
+    const std::int32_t below = next == middles.begin() ? -1 : *(next - 1);
+    plan.seams.push_back({std::max(below, plane - width), std::min(above, plane + width)});
+  }
   return plan;
 }
 

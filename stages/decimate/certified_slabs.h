@@ -17,7 +17,8 @@ struct SlabPlan {
   CutPlanes planes;           // between pieces
   std::vector<Slab> pieces;   // all cells, in parts of about as many triangles
   std::vector<Slab> shifted;  // all cells again; where pieces meet is in the middle of one
-  std::vector<Slab> bands;    // narrow ones about where `shifted` meet, none as far as a plane
+  std::vector<Slab> bands;    // narrow ones about where `shifted` meet, up to the planes at most
+  std::vector<Slab> seams;    // narrow ones about those planes that a band comes up to
 };
 
 // A function of the isosurface alone. Fewer pieces where the image has too few planes. O(triangles).
