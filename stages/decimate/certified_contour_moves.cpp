@@ -307,7 +307,7 @@ bool try_contour_relocation(CertifiedState& state, Worker& worker, Index vertex,
 
 void contour_pass(CertifiedState& state, Worker& worker, const std::vector<Index>& vertices, double aim) {
   if (state.mesh.contour.empty()) return;
-  const double limit = std::exchange(worker.limits.min_angle, aim);
+  const GuardLimits limits = std::exchange(worker.limits, aiming_at(worker.limits, aim));
   Star ring;
   for (const Index v : vertices) {
     if (state.mesh.incident[v] == kNoIndex || state.mesh.is_locked[v] || !state.mesh.is_on_contour(v) ||
@@ -338,7 +338,7 @@ void contour_pass(CertifiedState& state, Worker& worker, const std::vector<Index
     }
     if (!has_moved) state.settled[v] = signature;
   }
-  worker.limits.min_angle = limit;
+  worker.limits = limits;
 }
 
 }  // namespace periost

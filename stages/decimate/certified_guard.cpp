@@ -182,18 +182,21 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
 bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
                   double* gain) {
   const double limit = 2 * std::cos(limits.min_angle);
-  const auto weighed = [&](const std::array<Vec3, 3>& corners) {
+  const double below_floor = limits.floor_angle > 0 ? 2 * std::cos(limits.floor_angle) - limit : 2;
+  double floor_sum = 0;  // new minus old
+  const auto weighed = [&](const std::array<Vec3, 3>& corners, double sign) {
     const double deficit = angle_deficit(corners, limit);
+    floor_sum += sign * std::max(0.0, deficit - below_floor);
     return limits.worst_angle_first ? deficit * deficit * deficit * deficit : deficit;
   };
   const BeforeView before{mesh};
   const AfterView after{mesh, proposal};
   double old_sum = 0, new_sum = 0;
-  for (const LinkedTriangle& cell : proposal.cells) new_sum += weighed(corners_of(after, cell));
+  for (const LinkedTriangle& cell : proposal.cells) new_sum += weighed(corners_of(after, cell), 1);
   if (new_sum == 0 && !gain) return true;
-  for (const Index t : proposal.before) old_sum += weighed(corners_of(before, mesh.triangles[t]));
+  for (const Index t : proposal.before) old_sum += weighed(corners_of(before, mesh.triangles[t]), -1);
   if (gain) *gain = old_sum - new_sum;
-  return new_sum <= old_sum;
+  return new_sum <= old_sum && floor_sum <= 0;
 }
 
 bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,

@@ -33,10 +33,20 @@ struct GuardLimits {
   int max_valence = 9;
   double fold_cosine = 0.4;        // least product of a new normal with the isosurface's or the old one
   double dihedral_cosine = -0.94;  // least product of the normals over an edge: angles of 20 degrees and more
+  // While min_angle is only aimed for: the limit itself, radians, to which the sum of deficits must not grow
+  // either. Else 0.
+  double floor_angle = 0;
   // Deficits of angles count by their fourth power, so that the worst angle may rise at the cost of better
   // ones.
   bool worst_angle_first = false;
 };
+
+// The limits with another least angle. One above theirs is only aimed for.
+inline GuardLimits aiming_at(GuardLimits limits, double angle) {
+  limits.floor_angle = angle > limits.min_angle ? limits.min_angle : 0;
+  limits.min_angle = angle;
+  return limits;
+}
 
 // Smallest angle of a triangle, radians; 0 when degenerate.
 double min_angle(const std::array<Vec3, 3>& triangle);

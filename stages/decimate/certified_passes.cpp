@@ -231,7 +231,7 @@ void surrounding_places(const CertifiedState& state, Index vertex, const Star& s
   size /= static_cast<double>(star.link.size());
   places.clear();
   constexpr int kDirections = 12;
-  for (const double part : {0.05, 0.15, 0.4}) {
+  for (const double part : {0.0125, 0.05, 0.15, 0.4}) {
     for (int d = 0; d < kDirections; ++d) {
       const double angle = 6.283185307179586 * d / kDirections;
       const Vec3 along = (x * std::cos(angle) + y * std::sin(angle)) * (part * size);
@@ -385,7 +385,7 @@ void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices)
 }
 
 void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double aim) {
-  const double limit = std::exchange(worker.limits.min_angle, aim);
+  const GuardLimits limits = std::exchange(worker.limits, aiming_at(worker.limits, aim));
   for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
       if (!has_angle_under(corners_now(state.mesh, t), aim)) continue;
@@ -395,7 +395,7 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
       state.unmended[t] = signature;
     }
   });
-  worker.limits.min_angle = limit;
+  worker.limits = limits;
 }
 
 VertexList sliver_vertices(const CertifiedState& state, double limit) {
