@@ -136,6 +136,29 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
   return refusal;
 }
 
+// Places for a vertex on the edge (u, v): on it and towards the corners beside it, a little above and below.
+std::vector<Vec3> insertion_places(const CertifiedState& state, const Proposal& proposal, Index u, Index v,
+                                   Vec3 normal) {
+  const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
+  const Vec3 along = state.mesh.points[v] - middle;
+  const Vec3 to_rim = rim_centroid(state.mesh, proposal) - middle;
+  std::vector<Vec3> places;
+  const auto add = [&](Vec3 place) {
+    for (const double height : {0.0, 0.3, -0.3})
+      places.push_back(place + normal * (height * state.tolerance));
+  };
+  for (const double part : {0.0, 0.3, 0.6, 1.0}) add(middle + to_rim * part);
+  for (const Index beside : proposal.rim) {
+    if (beside == u || beside == v) continue;
+    for (const double part : {0.15, 0.4}) {
+      for (const double shift : {0.0, 0.4, -0.4}) {
+        add(middle + along * shift + (state.mesh.points[beside] - middle) * part);
+      }
+    }
+  }
+  return places;
+}
+
 }  // namespace
 
 Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain, FirstAsked asked) {
@@ -285,27 +308,28 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
   const Index u = corner[(k + 1) % 3], v = corner[(k + 2) % 3];
   const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
   const Vec3 normal = edge_normal(state, u, v);
-  const Vec3 to_rim = rim_centroid(state.mesh, proposal) - middle;
   state.mesh.valence[vertex] = 0;
-  for (const double part : {0.0, 0.3, 0.6, 1.0}) {
-    for (const double height : {0.0, 0.3, -0.3}) {
-      proposal.place = middle + to_rim * part + normal * (height * state.tolerance);
-      double gain = 0;
-      if (!meets_angles(state.mesh, proposal, worker.limits, &gain) ||
-          gain < least_angle_gain(worker.limits)) {
-        continue;
-      }
-      if (check_move(state, worker, normal, gain, FirstAsked::kTriangles) != Refusal::kNone) continue;
-      const Vec3 plane = state.reference.normals[proposal.place_nearest];
-      state.quadrics[vertex] = {};
-      state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
-                                       squared_norm(state.mesh.points[u] - middle));
-      commit_move(state, worker);
-      worker.dead_points.pop_back();
-      worker.dead_triangles.resize(count - 2);
-      ++worker.counts.insertions;
-      return true;
-    }
+  std::vector<std::pair<double, Vec3>> places;  // with the fall of the sum of deficits, negative
+  for (const Vec3 place : insertion_places(state, proposal, u, v, normal)) {
+    proposal.place = place;
+    double gain = 0;
+    if (meets_angles(state.mesh, proposal, worker.limits, &gain) && gain >= least_angle_gain(worker.limits))
+      places.emplace_back(-gain, place);
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [loss, place] : places) {
+    proposal.place = place;
+    if (check_move(state, worker, normal, -loss, FirstAsked::kTriangles) != Refusal::kNone) continue;
+    const Vec3 plane = state.reference.normals[proposal.place_nearest];
+    state.quadrics[vertex] = {};
+    state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
+                                     squared_norm(state.mesh.points[u] - middle));
+    commit_move(state, worker);
+    worker.dead_points.pop_back();
+    worker.dead_triangles.resize(count - 2);
+    ++worker.counts.insertions;
+    return true;
   }
   return false;
 }

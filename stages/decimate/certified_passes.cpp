@@ -269,6 +269,18 @@ bool insert_at(CertifiedState& state, Worker& worker, Index t) {
   return false;
 }
 
+// On the edges of all triangles at its corners.
+bool insert_around(CertifiedState& state, Worker& worker, Index t) {
+  Star star;
+  for (const Index v : state.mesh.triangles[t].corner) {
+    if (!gather_ring(state.mesh, v, star)) continue;
+    for (const Index near : star.triangle) {
+      if (insert_at(state, worker, near)) return true;
+    }
+  }
+  return false;
+}
+
 bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   if (mend_triangle(state, worker, t)) return true;
   const auto corner = state.mesh.triangles[t].corner;
@@ -284,7 +296,7 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
       if (move_around(state, worker, neighbour)) return true;
     }
   }
-  return false;
+  return insert_around(state, worker, t);
 }
 
 // Mean signed height of the isosurface over the triangles of a star, weighed by area; mm.
@@ -422,7 +434,7 @@ void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertic
       const std::uint32_t signature = signature_of(state.mesh, t);
       const bool is_moved = state.unmended[t] == signature + kSliverMark;
       if ((is_moved && !can_insert) || state.unmended[t] == signature + kInsertionMark) continue;
-      if (is_moved ? insert_at(state, worker, t) : mend_sliver(state, worker, t)) break;
+      if (is_moved ? insert_around(state, worker, t) : mend_sliver(state, worker, t)) break;
       state.unmended[t] = signature + (can_insert ? kInsertionMark : kSliverMark);
     }
   });
