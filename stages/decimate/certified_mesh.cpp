@@ -164,6 +164,21 @@ bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, P
   return true;
 }
 
+bool makes_neck(const CertifiedMesh& mesh, const Proposal& proposal) {
+  Star of_moved, of_removed, of_rim;
+  if (!gather_star(mesh, proposal.moved, of_moved) || !gather_star(mesh, proposal.removed, of_removed)) {
+    return false;
+  }
+  // The third edge of a new cycle leads from a neighbour of one end only to one of the other only.
+  for (const Index a : of_moved.link) {
+    if (a == proposal.removed || of_removed.link.contains(a) || !gather_ring(mesh, a, of_rim)) continue;
+    for (const Index b : of_rim.link) {
+      if (b != proposal.moved && of_removed.link.contains(b) && !of_moved.link.contains(b)) return true;
+    }
+  }
+  return false;
+}
+
 bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal) {
   proposal.begin(MoveKind::kSwap);
   const LinkedTriangle& first = mesh.triangles[triangle];

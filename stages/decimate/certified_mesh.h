@@ -145,6 +145,10 @@ bool is_any_locked(const CertifiedMesh& mesh, const FixedList<Index, kMaxStar>& 
 // may a vertex that is relocated: certified_contour_moves.h has those.
 // T1^2: the edge of triangle t opposite to corner k is contracted, in the dual; its two faces become one.
 bool propose_removal(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
+// Whether a proposed removal makes a cycle of three edges that bounds no triangle. A handle or a branch is
+// then three edges around, the least that the link condition lets it be; nothing there can be removed any
+// more, and slivers stay.
+bool makes_neck(const CertifiedMesh& mesh, const Proposal& proposal);
 // T7^2: that edge is flipped, in the dual.
 bool propose_swap(const CertifiedMesh& mesh, Index triangle, std::size_t k, Proposal& proposal);
 // T2^2, the inverse of T1^2: a dual vertex is inserted on that edge. `vertex` and the two `triangles` are

@@ -246,6 +246,7 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
   const Vec3 normal = edge_normal(state, u, v);
   double gain = 0;
   Refusal refusal = place_merged(state, worker, normal, gain);
+  if (refusal == Refusal::kNone && makes_neck(state.mesh, proposal)) refusal = Refusal::kLink;
   if (refusal == Refusal::kNone) refusal = check_at_heights(state, worker, normal, gain);
   if (refusal != Refusal::kNone) {
     state.failed[slot] = signature;
@@ -259,7 +260,7 @@ bool try_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) 
 bool try_mending_removal(CertifiedState& state, Worker& worker, Index t, std::size_t k) {
   if (touches_contour(state.mesh, t, k)) return try_contour_removal(state, worker, t, k, true);
   Proposal& proposal = worker.proposal;
-  if (!propose_removal(state.mesh, t, k, proposal)) return false;
+  if (!propose_removal(state.mesh, t, k, proposal) || makes_neck(state.mesh, proposal)) return false;
   const Vec3 a = state.mesh.points[proposal.moved], b = state.mesh.points[proposal.removed];
   const Vec3 normal = edge_normal(state, proposal.moved, proposal.removed);
   for (const Vec3& place : {(a + b) * 0.5, a, b, rim_centroid(state.mesh, proposal)}) {
