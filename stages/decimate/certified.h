@@ -7,9 +7,9 @@
 // removal T1^2 with the best place for the merged face's dual vertex, its inverse T2^2, a swap T7^2, the
 // relocation of one dual vertex) replaces the triangles of one ring, and passes every check before anything
 // is changed:
-//   link condition, valences 3..9, topological criterion, angles of the dual triangles, barycentric
-//   coordinates, fold and dihedral angles (certified_guard.h); forward and reverse certificate; no
-//   intersection with what stays (certified_sheets.h).
+//   link condition, no new neck of three edges, valences 3..9, topological criterion, angles of the dual
+//   triangles, barycentric coordinates, fold and dihedral angles (certified_guard.h); forward and reverse
+//   certificate; no intersection with what stays (certified_sheets.h).
 //
 // Why the two-sided distance holds. Invariant F: each output triangle lies within the tolerance of the
 // isosurface. It holds at the start; a move brings in only triangles that the forward certificate proves

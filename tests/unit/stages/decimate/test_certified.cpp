@@ -159,6 +159,68 @@ TEST(Certified, StopsAtACount) {
   EXPECT_GE(result.triangles.size(), options.max_triangles * 93 / 100);
 }
 
+// A tube with rings of `around` vertices and a vertex at either end; vertex around * ring + i stands in a
+// ring.
+Isosurface ringed_tube(Index around, Index rings) {
+  Isosurface tube{};
+  tube.frame = shapes::oblique_frame({40, 40, 40});
+  auto& points = tube.surface.points;
+  auto& triangles = tube.surface.triangles;
+  for (Index ring = 0; ring < rings; ++ring) {
+    for (Index i = 0; i < around; ++i) {
+      const double angle = 6.283185307179586 * i / around;
+      points.push_back({-110 + 2 * std::cos(angle), 55 + 2 * std::sin(angle), 320 + 2.0 * ring});
+    }
+  }
+  const Index bottom = around * rings, top = bottom + 1;
+  points.push_back({-110, 55, 319});
+  points.push_back({-110, 55, 319 + 2.0 * rings});
+  for (Index i = 0; i < around; ++i) {
+    const Index next = (i + 1) % around, last = around * (rings - 1);
+    triangles.push_back({bottom, next, i});
+    triangles.push_back({top, last + i, last + next});
+    for (Index ring = 0; ring + 1 < rings; ++ring) {
+      const Index a = around * ring + i, b = around * ring + next;
+      triangles.push_back({a, b, b + around});
+      triangles.push_back({a, b + around, a + around});
+    }
+  }
+  return tube;
+}
+
+// Of the edges in the tube's middle, around it and along it.
+struct NeckCounts {
+  std::size_t around = 0, along = 0;  // removals that make a neck
+  std::size_t proposed = 0;
+};
+NeckCounts count_necks(Index around) {
+  const Reference reference(ringed_tube(around, 6));
+  const CertifiedMesh mesh = make_certified_mesh(reference);
+  NeckCounts counts;
+  Proposal proposal;
+  for (Index t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& corner = mesh.triangles[t].corner;
+      const Vec3 u = mesh.points[corner[(k + 1) % 3]], v = mesh.points[corner[(k + 2) % 3]];
+      const double middle = (u.z + v.z) / 2;
+      if (middle < 321 || middle > 329 || !propose_removal(mesh, t, k, proposal)) continue;
+      ++counts.proposed;
+      (std::abs(u.z - v.z) < 1 ? counts.around : counts.along) += makes_neck(mesh, proposal) ? 1 : 0;
+    }
+  }
+  return counts;
+}
+
+TEST(Certified, ATubeOfFourEdgesAroundMayNotBecomeOneOfThree) {
+  const NeckCounts four = count_necks(4);
+  EXPECT_EQ(four.around, 32u);  // both ways along four edges of four rings
+  EXPECT_EQ(four.along, 0u);
+  EXPECT_GT(four.proposed, four.around);
+  const NeckCounts five = count_necks(5);
+  EXPECT_EQ(five.around + five.along, 0u);
+  EXPECT_GT(five.proposed, 0u);
+}
+
 // T2^2 and T1^2 on the same place: what was there before, and the same neighbours.
 TEST(Certified, InsertionIsTheInverseOfRemoval) {
   const Isosurface isosurface = shapes::ellipsoid();
