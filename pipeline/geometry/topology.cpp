@@ -192,19 +192,28 @@ std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& tria
   return components_of(sorted_edge_uses(triangles, points), triangles.size(), components);
 }
 
-SurfaceMesh without_small_components(const SurfaceMesh& surface, std::size_t least) {
-  const auto component = triangle_components(surface.triangles, surface.points.size());
+std::vector<std::uint8_t> in_small_component(const std::vector<Triangle>& triangles, std::size_t points,
+                                             std::size_t least) {
+  const auto component = triangle_components(triangles, points);
   std::vector<std::size_t> size;
   for (const std::uint32_t c : component) {
     size.resize(std::max<std::size_t>(size.size(), c + std::size_t{1}));
     ++size[c];
   }
+  std::vector<std::uint8_t> is_small;
+  is_small.reserve(component.size());
+  for (const std::uint32_t c : component) is_small.push_back(size[c] < least ? 1 : 0);
+  return is_small;
+}
+
+SurfaceMesh without_small_components(const SurfaceMesh& surface, std::size_t least) {
+  const auto is_small = in_small_component(surface.triangles, surface.points.size(), least);
   SurfaceMesh kept;
   kept.voxel_mm = surface.voxel_mm;
   kept.was_read = surface.was_read;
   std::vector<Index> number(surface.points.size(), kNoIndex);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (size[component[t]] < least) continue;
+    if (is_small[t]) continue;
     Triangle triangle = surface.triangles[t];
     for (Index& v : triangle) {
       if (number[v] == kNoIndex) {

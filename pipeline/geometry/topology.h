@@ -35,6 +35,10 @@ std::vector<std::array<Index, 3>> triangle_neighbours(const std::vector<Triangle
 // Triangles that share an edge belong together; sharing a point is not enough. Same preconditions.
 std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& triangles, std::size_t points);
 
+// Per triangle, whether its component has fewer than `least` triangles. Same preconditions.
+std::vector<std::uint8_t> in_small_component(const std::vector<Triangle>& triangles, std::size_t points,
+                                             std::size_t least);
+
 // The surface without its components of fewer than `least` triangles; fields are dropped. Same preconditions.
 SurfaceMesh without_small_components(const SurfaceMesh& surface, std::size_t least);
 

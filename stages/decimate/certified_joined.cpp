@@ -30,8 +30,6 @@ DecimatedPiece take_piece(const CertifiedState& state, const std::vector<Index>&
   const CertifiedMesh& mesh = state.mesh;
   const Vec3 by = origin - state.reference.points[0];
   DecimatedPiece piece;
-  piece.lo = state.contours.lo;
-  piece.hi = state.contours.hi;
   std::vector<Index> number(mesh.points.size(), kNoIndex);
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (mesh.incident[v] == kNoIndex) continue;
@@ -89,6 +87,7 @@ void PieceJoiner::add(const DecimatedPiece& piece, const std::vector<Index>& iso
   for (const Triangle& t : piece.triangles)
     joined_.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
   for (const Index s : isosurface_triangles) {
+    if (joined_.proofs.empty()) break;  // reverse: none
     ReverseProof& proof = joined_.proofs[s];
     proof.home = shifted(proof.home, before);
     for (Index& label : proof.label) label = shifted(label, before);

@@ -27,13 +27,14 @@ struct JoinedMesh {
   std::vector<Quadric> quadrics;
   std::vector<std::uint8_t> blocked_by;
   std::vector<Triangle> triangles;
-  std::vector<ReverseProof> proofs;  // of isosurface triangles
+  std::vector<ReverseProof> proofs;  // of isosurface triangles; empty without a reverse distance
   MoveCounts counts;
   Vec3 lo{-1e300, -1e300, -1e300}, hi{1e300, 1e300, 1e300};
 };
 
 // The result in `state`, whose reference has the whole isosurface's triangles `whole`; its proofs, with the
-// piece's numbers, go into `proofs`, at the whole's. `origin`: the whole isosurface's first point.
+// piece's numbers, go into `proofs`, at the whole's. `origin`: the whole isosurface's first point. Borders
+// and counts are the caller's.
 DecimatedPiece take_piece(const CertifiedState& state, const std::vector<Index>& whole, Vec3 origin,
                           std::vector<ReverseProof>& proofs);
 

@@ -19,23 +19,12 @@ namespace {
 
 constexpr double kOnCut = 1e-6;  // voxels
 
-// Of points of the isosurface: whether their component has fewer triangles than asked; empty when none are
-// to be dropped.
-std::vector<std::uint8_t> small_components(const Isosurface& isosurface, const DecimateOptions& options) {
+// Of triangles of the isosurface: whether they are to be dropped; empty when none are.
+std::vector<std::uint8_t> dropped_triangles(const Isosurface& isosurface, const DecimateOptions& options) {
   if (options.small_components != SmallComponents::kDrop || options.small_triangles <= 0) return {};
   const SurfaceMesh& surface = isosurface.surface;
-  const auto component = triangle_components(surface.triangles, surface.points.size());
-  std::vector<Index> count;
-  for (const std::uint32_t c : component) {
-    if (c >= count.size()) count.resize(c + 1, 0);
-    ++count[c];
-  }
-  std::vector<std::uint8_t> is_small(surface.points.size(), 0);
-  for (std::size_t t = 0; t < component.size(); ++t) {
-    if (count[component[t]] >= static_cast<Index>(options.small_triangles)) continue;
-    for (const Index p : surface.triangles[t]) is_small[p] = 1;
-  }
-  return is_small;
+  return in_small_component(surface.triangles, surface.points.size(),
+                            static_cast<std::size_t>(options.small_triangles));
 }
 
 // Locks the cut contours of a piece, whose quadrics are then the surface's alone.
@@ -77,10 +66,10 @@ void keep_between_cuts(const CutPlanes& planes, std::size_t part, CertifiedConto
   contours.hi[axis] = std::min(contours.hi[axis], contours.cut_hi[axis]);
 }
 
-void drop_triangles(const std::vector<std::uint8_t>& is_small, const Isosurface& isosurface,
-                    const std::vector<Index>& whole, CertifiedState& state) {
+void drop_triangles(const std::vector<std::uint8_t>& is_dropped, const std::vector<Index>& whole,
+                    CertifiedState& state) {
   for (Index t = 0; t < whole.size(); ++t) {
-    if (is_small[isosurface.surface.triangles[whole[t]][0]]) drop_triangle(t, state.mesh, state.proofs);
+    if (is_dropped[whole[t]]) drop_triangle(t, state.mesh, state.proofs);
   }
 }
 
@@ -100,7 +89,7 @@ std::size_t frozen_triangles(const CertifiedMesh& mesh) {
 }
 
 DecimatedPiece decimate_piece(const Isosurface& isosurface, const SlabPlan& plan, std::size_t part,
-                              const std::vector<std::uint8_t>& is_small, DecimateOptions options,
+                              const std::vector<std::uint8_t>& is_dropped, DecimateOptions options,
                               const Context& context, std::vector<ReverseProof>& proofs) {
   const int axis = plan.planes.axis;
   std::vector<Index> order;
@@ -118,7 +107,7 @@ DecimatedPiece decimate_piece(const Isosurface& isosurface, const SlabPlan& plan
   options.small_components = SmallComponents::kKeep;  // it is the whole that counts
   CertifiedState state = make_certified_state(*reference, isosurface, options, context);
   lock_cuts(plan.planes, state);
-  if (!is_small.empty()) drop_triangles(is_small, isosurface, whole, state);
+  if (!is_dropped.empty()) drop_triangles(is_dropped, whole, state);
   if (options.max_triangles > 0) {  // what is dense at the cuts is left to the next phase
     const double share =
         static_cast<double>(whole.size()) / static_cast<double>(isosurface.surface.triangles.size());
@@ -151,12 +140,12 @@ std::vector<std::size_t> order_of(std::size_t count, std::uint64_t seed) {
 
 JoinedMesh decimate_pieces(const Isosurface& isosurface, const SlabPlan& plan, std::uint64_t order_seed,
                            const DecimateOptions& options, const Context& context) {
-  const std::vector<std::uint8_t> is_small = small_components(isosurface, options);
+  const std::vector<std::uint8_t> is_dropped = dropped_triangles(isosurface, options);
   JoinedMesh joined;
   if (options.reverse != ReverseDistance::kNone) joined.proofs.resize(isosurface.surface.triangles.size());
   std::vector<DecimatedPiece> pieces(plan.pieces.size());
   for (const std::size_t part : order_of(pieces.size(), order_seed))
-    pieces[part] = decimate_piece(isosurface, plan, part, is_small, options, context, joined.proofs);
+    pieces[part] = decimate_piece(isosurface, plan, part, is_dropped, options, context, joined.proofs);
   PieceJoiner joiner(joined);
   for (std::size_t part = 0; part < pieces.size(); ++part) {
     joiner.add(pieces[part], triangles_of_slab(isosurface, plan.planes.axis, plan.pieces[part]));

@@ -123,9 +123,7 @@ std::vector<Index> close_sheets(const Reference& reference, double gap, const Co
 
 SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels)
     : side_(side_voxels) {
-  if (mesh.points.empty()) return;
-  while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
-  cells_.resize(choose_cells(mesh, reference.frame()));
+  lay_out(reference, mesh);
   is_watched_.assign(cells_.size(), 1);
   refill(mesh);
 }
@@ -133,9 +131,7 @@ SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int 
 SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels,
                      const std::vector<Index>& close, double reach)
     : side_(side_voxels) {
-  if (mesh.points.empty()) return;
-  while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
-  cells_.resize(choose_cells(mesh, reference.frame()));
+  lay_out(reference, mesh);
   is_watched_.assign(cells_.size(), 0);
   Vec3 margin;
   for (std::size_t axis = 0; axis < 3; ++axis) margin[axis] = reach * norm(row_[axis]);
@@ -145,6 +141,12 @@ SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int 
     watch({box.lo - margin, box.hi + margin});
   }
   refill(mesh);
+}
+
+void SheetGrid::lay_out(const Reference& reference, const CertifiedMesh& mesh) {
+  if (mesh.points.empty()) return;
+  while (choose_cells(mesh, reference.frame()) > kMostCells) side_ *= 2;
+  cells_.resize(choose_cells(mesh, reference.frame()));
 }
 
 void SheetGrid::watch(const Box& box) {

@@ -89,6 +89,7 @@ class SheetGrid {
     return {dot(row_[0], p) + shift_.x, dot(row_[1], p) + shift_.y, dot(row_[2], p) + shift_.z};
   }
   std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
+  void lay_out(const Reference& reference, const CertifiedMesh& mesh);
   void watch(const Box& box);
   void insert(const CertifiedMesh& mesh, Index triangle);
   bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);

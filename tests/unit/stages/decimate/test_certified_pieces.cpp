@@ -64,6 +64,19 @@ TEST(CertifiedPieces, KeepThePromisesOfTheWholeAndNearlyItsRate) {
   }
 }
 
+TEST(CertifiedPieces, CanDoWithoutAReverseDistance) {
+  const Isosurface isosurface = body();
+  DecimateOptions options;
+  options.pieces = 2;
+  options.reverse = ReverseDistance::kNone;
+  SimplexMesh mesh;
+  const SurfaceMesh result = decimated(isosurface, options, mesh);
+  EXPECT_TRUE(examine_topology(result).is_closed());
+  EXPECT_TRUE(self_intersections(result, Context{}).empty());
+  EXPECT_LE(two_sided_distance(result, isosurface.surface, {}, Context{}).forward.summary.max,
+            options.distance.in_mm(isosurface.frame.largest_spacing()));
+}
+
 TEST(CertifiedPieces, HaveTheSameBitsOnAnyNumberOfThreads) {
   const Isosurface isosurface = body();
   DecimateOptions options;
