@@ -11,9 +11,8 @@
 #include "pipeline/base/quantity.h"
 #include "pipeline/geometry/gates.h"
 #include "pipeline/geometry/measure_volume.h"
+#include "pipeline/io/mesh_read.h"
 #include "pipeline/io/quality_json.h"
-#include "pipeline/io/surface_read.h"
-#include "pipeline/io/vtk_mesh_read.h"
 
 namespace periost {
 namespace {
@@ -23,10 +22,10 @@ struct QualityCommand {
   std::vector<std::string> gates;
 };
 
-std::variant<SurfaceMesh, TetMesh> read_mesh(const std::string& path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
-  if (extension == ".vtu" || extension == ".vtk") return read_vtk_mesh(path);
-  return read_surface(path);
+// A volume stands for the surface that bounds it.
+SurfaceMesh surface_of(AnyMesh mesh) {
+  if (const auto* tets = std::get_if<TetMesh>(&mesh)) return boundary_surface(*tets);
+  return std::get<SurfaceMesh>(std::move(mesh));
 }
 
 // `PATH=LIMIT`, as in `volume.min_dihedral_deg.min=8`.
@@ -65,7 +64,7 @@ void print_text(const QualityReport& report) {
 int measure(const QualityCommand& command) {
   const std::optional<Preset> preset = preset_from_name(command.preset);
   const GateOverrides gates = gates_of(command.gates);
-  const auto mesh = read_mesh(command.mesh);
+  const AnyMesh mesh = read_mesh(command.mesh);
   QualityInputs inputs;
   SurfaceMesh boundary, reference;
   if (const auto* tets = std::get_if<TetMesh>(&mesh)) {
@@ -76,7 +75,7 @@ int measure(const QualityCommand& command) {
     inputs.surface = &std::get<SurfaceMesh>(mesh);
   }
   if (!command.reference.empty()) {
-    reference = read_surface(command.reference);
+    reference = surface_of(read_mesh(command.reference));
     inputs.isosurface = &reference;
   }
   Context context;
@@ -98,8 +97,9 @@ void add_quality_command(CLI::App& app, Session& session) {
   CLI::App* command =
       add_command(app, "quality", "Measures a surface or a tetrahedral mesh.",
                   "periost quality volume.vtu --reference isosurface.vtp --preset fe-standard");
-  command->add_option("MESH", options->mesh, ".stl .ply .obj .off .vtp .vtk .vtu")->required();
-  command->add_option("--reference", options->reference, "Surface that distances are measured to.");
+  command->add_option("MESH", options->mesh, mesh_extensions())->required();
+  command->add_option("--reference", options->reference,
+                      "Surface, or volume for its boundary, that distances are measured to.");
   command->add_option("--preset", options->preset, "Gates to apply: none, lenient, fe-standard, fe-strict.")
       ->check(CLI::IsMember({"none", "lenient", "fe-standard", "fe-strict"}));
   command->add_option("--gate", options->gates, "One more gate, METRIC=LIMIT; may be repeated.");

@@ -40,9 +40,11 @@ struct AbaqusDeck {
   std::map<std::string, std::vector<DeckFace>> surfaces;
 };
 
-// Reads nodes, C3D4 and C3D10 elements and sets (lists, GENERATE, names of other sets, surfaces of elements);
-// other keywords are skipped. The boundary is found anew. Throws Error{kInput, "deck.malformed" |
-// "deck.unsupported" | "file.unreadable"} with file and line.
+// Reads nodes, C3D4 and C3D10 elements (their variants like C3D10M too) and sets (lists, GENERATE, names of
+// other sets, surfaces of elements); other keywords, shells, trusses and what stands in *ASSEMBLY are
+// skipped. Refused: other solids, both orders in one deck, a part that its instance moves, *INCLUDE in the
+// place of the mesh. The boundary is found anew. Throws Error{kInput, "deck.malformed" | "deck.unsupported" |
+// "file.unreadable"} with file and line.
 AbaqusDeck read_abaqus(const std::filesystem::path& path);
 
 }  // namespace periost

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
-#include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
 #include "pipeline/geometry/tet_faces.h"
 #include "pipeline/io/abaqus_deck.h"
+#include "pipeline/io/mesh_builder.h"
 
 namespace periost {
 namespace {
@@ -84,33 +85,62 @@ class Reader {
         data(split(line));
       }
     }
-    if (!pending_.empty()) fail("deck.malformed", "the last element is incomplete");
+    if (!pending_.empty()) {
+      fail("deck.malformed", "the last element is incomplete",
+           "copy or export the file again: its end is missing");
+    }
     finish();
     return std::move(deck_);
   }
 
  private:
   [[noreturn]] void fail(const char* code, const std::string& what) const {
-    throw Error(ErrorKind::kInput, code, fmt::format("{}:{}: {}", path_.string(), line_, what));
+    refuse_mesh(code, fmt::format("{}:{}", path_.string(), line_), what);
+  }
+  [[noreturn]] void fail(const char* code, const std::string& what, const char* hint) const {
+    refuse_mesh(code, fmt::format("{}:{}", path_.string(), line_), what, hint);
   }
 
   void begin(Keyword keyword) {
     if (!pending_.empty()) fail("deck.malformed", "the element before this line is incomplete");
     keyword_ = std::move(keyword);
-    if (keyword_.name != "ELEMENT") return;
-    const std::string type = keyword_.value("TYPE");
-    if (type != "C3D4" && type != "C3D10") {
+    if (keyword_.name == "ASSEMBLY") is_assembly_ = true;
+    if (keyword_.name == "END ASSEMBLY") is_assembly_ = false;
+    if (keyword_.name == "INCLUDE" && deck_.mesh.tets.empty()) included_ = keyword_.value("INPUT");
+    if (keyword_.name == "ELEMENT") begin_elements(keyword_.value("TYPE"));
+  }
+
+  // Tetrahedra, and of what has no volume nothing; other solids would be missing from the mesh.
+  void begin_elements(const std::string& type) {
+    if (type.rfind("C3D4", 0) == 0 || type.rfind("DC3D4", 0) == 0) {
+      nodes_per_element_ = 4;
+    } else if (type.rfind("C3D10", 0) == 0 || type.rfind("DC3D10", 0) == 0) {
+      nodes_per_element_ = 10;
+    } else if (type.find("C3D") != std::string::npos || type.rfind("SC", 0) == 0) {
       fail("deck.unsupported",
-           fmt::format("elements of type {} are not supported, only C3D4 and C3D10", type));
+           fmt::format("elements of type {} are not read, only C3D4 and C3D10", printable(type)),
+           "only tetrahedra of first and second order are read: split the others, or leave them out");
+    } else {
+      nodes_per_element_ = 0;
     }
-    nodes_per_element_ = type == "C3D4" ? 4 : 10;
-    const bool is_mixed = !deck_.mesh.tets.empty() && (nodes_per_element_ == 10) != (deck_.mesh.order() == 2);
-    if (is_mixed) fail("deck.unsupported", "C3D4 and C3D10 in one deck are not supported");
+    const bool is_mixed = nodes_per_element_ > 0 && !deck_.mesh.tets.empty() &&
+                          (nodes_per_element_ == 10) != (deck_.mesh.order() == 2);
+    if (is_mixed) {
+      fail("deck.unsupported", "C3D4 and C3D10 in one deck are not read", "export all elements in one order");
+    }
   }
 
   void data(const std::vector<std::string_view>& parts) {
+    if (keyword_.name == "INSTANCE") {
+      fail("deck.unsupported", "the instance of a part is moved or turned",
+           "export the mesh as one part in its place");
+    }
+    // Reference points and sets of an assembly have numbers of their own.
+    if (is_assembly_) return;
     if (keyword_.name == "NODE") {
       node(parts);
+    } else if (keyword_.name == "ELEMENT" && nodes_per_element_ == 0) {
+      if (!parts.empty()) passed_over_.insert(whole(parts[0]));
     } else if (keyword_.name == "ELEMENT") {
       element(parts);
     } else if (keyword_.name == "NSET") {
@@ -126,7 +156,7 @@ class Reader {
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || value <= 0) {
-      fail("deck.malformed", fmt::format("'{}' is not a number of a node or element", text));
+      fail("deck.malformed", fmt::format("'{}' is not a number of a node or element", printable(text)));
     }
     return value;
   }
@@ -136,7 +166,7 @@ class Reader {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      fail("deck.malformed", fmt::format("'{}' is not a coordinate", text));
+      fail("deck.malformed", fmt::format("'{}' is not a coordinate", printable(text)));
     }
     return value;
   }
@@ -153,7 +183,7 @@ class Reader {
     if (parts.size() < 4) fail("deck.malformed", "a node needs a number and three coordinates");
     const auto index = static_cast<Index>(deck_.mesh.points.size());
     if (!point_.emplace(whole(parts[0]), index).second) {
-      fail("deck.malformed", fmt::format("node {} is defined twice", parts[0]));
+      fail("deck.malformed", fmt::format("node {} is defined twice", whole(parts[0])));
     }
     deck_.mesh.points.push_back({decimal(parts[1]), decimal(parts[2]), decimal(parts[3])});
     if (!keyword_.value("NSET").empty()) deck_.node_sets[keyword_.value("NSET")].push_back(index);
@@ -180,6 +210,12 @@ class Reader {
     pending_.clear();
   }
 
+  // Adds the node or element of that number to a set, unless it is one that is passed over.
+  void add_member(std::vector<Index>& members, const Numbers& numbers, std::int64_t number) const {
+    const bool is_passed_over = &numbers == &tet_ && !tet_.contains(number) && passed_over_.contains(number);
+    if (!is_passed_over) members.push_back(find(numbers, number, "member"));
+  }
+
   void add_to_set(std::map<std::string, std::vector<Index>>& sets, const std::string& name,
                   const Numbers& numbers, const std::vector<std::string_view>& parts) {
     if (name.empty()) fail("deck.malformed", "a set has no name");
@@ -189,13 +225,14 @@ class Reader {
       const std::int64_t step = parts.size() > 2 ? whole(parts[2]) : 1;
       const std::int64_t last = whole(parts[1]);
       for (std::int64_t n = whole(parts[0]); n <= last; n += step) {
-        members.push_back(find(numbers, n, "member"));
+        add_member(members, numbers, n);
+        if (step > last - n) break;
       }
     } else {
       for (const std::string_view part : parts) {
         const auto other = sets.find(capitals(part));
         if (other == sets.end()) {
-          members.push_back(find(numbers, whole(part), "member"));
+          add_member(members, numbers, whole(part));
         } else {
           members.insert(members.end(), other->second.begin(), other->second.end());
         }
@@ -213,7 +250,9 @@ class Reader {
     std::vector<DeckFace>& faces = deck_.surfaces[keyword_.value("NAME")];
     const auto set = deck_.element_sets.find(capitals(parts[0]));
     if (set == deck_.element_sets.end()) {
-      faces.push_back({find(tet_, whole(parts[0]), "element"), side[1] - '0'});
+      const std::int64_t number = whole(parts[0]);
+      if (!tet_.contains(number) && passed_over_.contains(number)) return;
+      faces.push_back({find(tet_, number, "element"), side[1] - '0'});
     } else {
       for (const Index tet : set->second) faces.push_back({tet, side[1] - '0'});
     }
@@ -221,6 +260,10 @@ class Reader {
 
   void finish() {
     TetMesh& mesh = deck_.mesh;
+    if (mesh.tets.empty() && !included_.empty()) {
+      fail("deck.unsupported", "the deck has no elements of its own, it includes another",
+           "give the file that it includes");
+    }
     if (mesh.tets.empty()) fail("deck.unsupported", "the deck has no C3D4 or C3D10 elements");
     mesh.region.assign(mesh.tets.size(), 1);
     for (const auto& [name, members] : deck_.element_sets) {
@@ -241,9 +284,12 @@ class Reader {
   std::string text_;
   int line_ = 0;
   Keyword keyword_;
-  std::size_t nodes_per_element_ = 0;
+  std::size_t nodes_per_element_ = 0;  // of the current type; 0: elements without volume, passed over
+  bool is_assembly_ = false;
+  std::string included_;
   std::vector<std::int64_t> pending_;  // the numbers of an element that goes on in the next line
   Numbers point_, tet_;
+  std::unordered_set<std::int64_t> passed_over_;  // elements without volume
   AbaqusDeck deck_;
 };
 

@@ -62,6 +62,10 @@ class PlyReader {
       }
       for (std::uint64_t i = 0; i < element.count; ++i) read_record(element, i, mesh);
     }
+    // A header that names an element or a property twice leaves fields of a wrong length.
+    std::erase_if(mesh.point_fields, [&](const auto& f) { return f.second.size() != mesh.points.size(); });
+    std::erase_if(mesh.triangle_fields,
+                  [&](const auto& f) { return f.second.size() != mesh.triangles.size(); });
     return mesh;
   }
 
@@ -137,36 +141,49 @@ class PlyReader {
 
   void read_record(const Element& element, std::uint64_t i, SurfaceMesh& mesh) {
     const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const std::size_t first_triangle = mesh.triangles.size();
+    values_.clear();
     if (is_vertex) mesh.points.emplace_back();
     for (const Property& property : element.properties) {
-      if (property.count_type == nullptr) {
-        const double value = number(*property.type, element, i);
-        if (!is_vertex) continue;
-        const std::size_t axis = property.name == "x"   ? 0
-                                 : property.name == "y" ? 1
-                                 : property.name == "z" ? 2
-                                                        : 3;
-        if (axis < 3) {
-          mesh.points.back()[axis] = value;
-        } else {
-          mesh.point_fields[property.name].push_back(static_cast<float>(value));
-        }
+      if (property.count_type != nullptr) {
+        read_list(property, element, i);
+        if (is_face && property.name.rfind("vertex_ind", 0) == 0) add_fan(mesh);
         continue;
       }
-      const double count = number(*property.count_type, element, i);
-      if (!(count >= 0) || count > static_cast<double>(bytes_left())) {
-        fail("surface.truncated", fmt::format("the list of {} {} is longer than the file", element.name, i));
+      const double value = number(*property.type, element, i);
+      const std::size_t axis = property.name.size() == 1 ? std::string_view("xyz").find(property.name[0]) : 3;
+      if (is_vertex && axis < 3) {
+        mesh.points.back()[axis] = value;
+      } else if (is_vertex) {
+        mesh.point_fields[property.name].push_back(static_cast<float>(value));
+      } else if (is_face) {
+        values_.emplace_back(&property.name, static_cast<float>(value));
       }
-      std::vector<Index> corners;
-      for (double k = 0; k < count; ++k) {
-        const double corner = number(*property.type, element, i);
-        corners.push_back(corner >= 0 && corner < static_cast<double>(kNoIndex) ? static_cast<Index>(corner)
-                                                                                : kNoIndex);
-      }
-      if (!is_face || property.name.rfind("vertex_ind", 0) != 0) continue;
-      for (std::size_t k = 2; k < corners.size(); ++k) {
-        mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
-      }
+    }
+    // Values may stand before the corners, so how many triangles a face has is known at its end.
+    const std::size_t triangles = mesh.triangles.size() - first_triangle;
+    for (const auto& [name, value] : values_) {
+      std::vector<float>& field = mesh.triangle_fields[*name];
+      field.insert(field.end(), triangles, value);
+    }
+  }
+
+  void read_list(const Property& property, const Element& element, std::uint64_t i) {
+    const double count = number(*property.count_type, element, i);
+    if (!(count >= 0) || count > static_cast<double>(bytes_left())) {
+      fail("surface.truncated", fmt::format("the list of {} {} is longer than the file", element.name, i));
+    }
+    corners_.clear();
+    for (auto left = static_cast<std::uint64_t>(count); left > 0; --left) {
+      const double corner = number(*property.type, element, i);
+      const bool is_index = corner >= 0 && corner < static_cast<double>(kNoIndex);
+      corners_.push_back(is_index ? static_cast<Index>(corner) : kNoIndex);
+    }
+  }
+
+  void add_fan(SurfaceMesh& mesh) const {
+    for (std::size_t k = 2; k < corners_.size(); ++k) {
+      mesh.triangles.push_back({corners_[0], corners_[k - 1], corners_[k]});
     }
   }
 
@@ -176,6 +193,9 @@ class PlyReader {
   std::size_t position_ = 0;
   bool is_text_ = false, is_swapped_ = false;
   std::vector<Element> elements_;
+  // Of the record being read: its list of corners, and a face's values by name.
+  std::vector<Index> corners_;
+  std::vector<std::pair<const std::string*, float>> values_;
 };
 
 }  // namespace

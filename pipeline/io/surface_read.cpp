@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <numeric>
 #include <system_error>
@@ -12,7 +11,9 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
+#include "pipeline/io/mesh_builder.h"
 #include "pipeline/io/ply_read.h"
+#include "pipeline/io/text_header.h"
 #include "pipeline/io/text_scanner.h"
 #include "pipeline/io/vtk_mesh_read.h"
 
@@ -22,15 +23,26 @@ namespace {
 using Path = std::filesystem::path;
 
 [[noreturn]] void fail(const char* code, const Path& path, const std::string& text) {
-  throw Error(ErrorKind::kInput, code, fmt::format("'{}': {}", path.string(), text));
+  refuse_mesh(code, fmt::format("'{}'", path.string()), text);
 }
 
-[[noreturn]] void fail_line(const Path& path, int line, const char* what) {
-  fail("surface.malformed", path, fmt::format("line {}: {}", line, what));
+[[noreturn]] void fail_line(const char* code, const Path& path, int line, const std::string& what) {
+  refuse_mesh(code, fmt::format("{}:{}", path.string(), line), what);
 }
 
-bool read_vec(TextScanner& scanner, Vec3& v) {
-  return scanner.number(v.x) && scanner.number(v.y) && scanner.number(v.z);
+[[noreturn]] void fail_line(const Path& path, int line, const std::string& what) {
+  fail_line("surface.malformed", path, line, what);
+}
+
+Vec3 read_vertex(TextScanner& scanner, const Path& path) {
+  Vec3 v;
+  if (!scanner.number(v.x) || !scanner.number(v.y) || !scanner.number(v.z)) {
+    fail_line(path, scanner.line(), "a vertex is not three numbers");
+  }
+  if (!is_finite(v)) {
+    fail_line("surface.not_finite", path, scanner.line(), "a vertex has a coordinate that is not finite");
+  }
+  return v;
 }
 
 SurfaceMesh read_binary_stl(const Path& path, const std::string& bytes) {
@@ -62,9 +74,7 @@ SurfaceMesh read_ascii_stl(const Path& path, const std::string& text) {
     has_end = has_end || word == "endsolid";
     if (word == "solid" || word == "endsolid") scanner.skip_line();
     if (word != "vertex") continue;
-    Vec3 point;
-    if (!read_vec(scanner, point)) fail_line(path, scanner.line(), "a vertex is not three numbers");
-    mesh.points.push_back(point);
+    mesh.points.push_back(read_vertex(scanner, path));
   }
   if (!has_end || mesh.points.size() % 3 != 0) {
     fail("surface.truncated", path,
@@ -97,9 +107,7 @@ SurfaceMesh read_obj(const Path& path) {
   scanner.set_comment('#');
   for (std::string_view word = scanner.word(); !word.empty(); word = scanner.word()) {
     if (word == "v") {
-      Vec3 point;
-      if (!read_vec(scanner, point)) fail_line(path, scanner.line(), "a vertex is not three numbers");
-      mesh.points.push_back(point);
+      mesh.points.push_back(read_vertex(scanner, path));
     } else if (word == "f") {
       std::vector<Index> corners;
       for (std::string_view c = scanner.word_in_line(); !c.empty(); c = scanner.word_in_line()) {
@@ -110,8 +118,7 @@ SurfaceMesh read_obj(const Path& path) {
           fail_line(path, scanner.line(), "a corner is not a number");
         if (id < 0) id += static_cast<long long>(mesh.points.size()) + 1;
         if (id < 1 || id > static_cast<long long>(kNoIndex)) {
-          fail("surface.bad_index", path,
-               fmt::format("line {}: a face names a vertex that does not exist", scanner.line()));
+          fail_line("surface.bad_index", path, scanner.line(), "a face names a vertex that does not exist");
         }
         corners.push_back(static_cast<Index>(id - 1));
       }
@@ -137,9 +144,7 @@ SurfaceMesh read_off(const Path& path) {
     fail("surface.truncated", path, "it is too short for the vertices and faces that it announces");
   }
   for (std::uint64_t p = 0; p < points; ++p) {
-    Vec3 point;
-    if (!read_vec(scanner, point)) fail_line(path, scanner.line(), "a vertex is not three numbers");
-    mesh.points.push_back(point);
+    mesh.points.push_back(read_vertex(scanner, path));
     scanner.skip_line();
   }
   for (std::uint64_t f = 0; f < faces; ++f) {
@@ -151,6 +156,10 @@ SurfaceMesh read_off(const Path& path) {
     for (std::uint32_t k = 0; k < count; ++k) {
       Index corner = 0;
       if (!scanner.number(corner)) fail_line(path, scanner.line(), "a corner is not a vertex number");
+      if (corner >= points) {
+        fail_line("surface.bad_index", path, scanner.line(),
+                  fmt::format("a face names vertex {} of {}", corner, points));
+      }
       corners.push_back(corner);
     }
     add_polygon(mesh, corners);
@@ -188,10 +197,7 @@ constexpr std::array<ReaderRow, 6> kReaders{{{".stl", read_stl},
                                              {".vtk", read_vtk_surface}}};
 
 std::string lower_extension(const Path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+  return lower_case(path.extension().string());
 }
 
 const ReaderRow& reader_of(const Path& path) {

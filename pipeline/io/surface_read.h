@@ -9,8 +9,8 @@ namespace periost {
 
 // The format follows from the extension. Coordinates are taken as LPS millimetres; polygons are cut into
 // fans; exactly equal points are merged, which gives an STL its connectivity, and `was_read` is set. VTP and
-// PLY keep fields of one number; VTP keeps `voxel_mm`. Throws Error{kInput}: as check_surface_file,
-// "file.unreadable", "surface.truncated", "surface.malformed" (with the line or element),
+// PLY keep fields of one number, on points and on faces; VTP keeps `voxel_mm`. Throws Error{kInput}: as
+// check_surface_file, "file.unreadable", "surface.truncated", "surface.malformed" (with the line or element),
 // "surface.bad_index", "surface.not_finite", "surface.empty". Never trusts a count in the file: memory
 // follows from the file's size.
 SurfaceMesh read_surface(const std::filesystem::path& path);

@@ -1,5 +1,6 @@
 #pragma once
 // Reads numbers and words from a text in memory, knowing the line for error messages.
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
@@ -15,6 +16,12 @@ class TextScanner {
     return at_ == end_;
   }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
+  std::string_view rest() const { return {at_, bytes_left()}; }
+  // Steps over bytes whatever they are. Precondition: bytes <= bytes_left().
+  void skip(std::size_t bytes) {
+    line_ += static_cast<int>(std::count(at_, at_ + bytes, '\n'));
+    at_ += bytes;
+  }
 
   // The next word, also on a later line; empty at the end.
   std::string_view word() {

@@ -1,12 +1,15 @@
 #include "pipeline/io/vtk_mesh_read.h"
 
 #include <fmt/format.h>
+#include <vtkCell.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkCellType.h>
+#include <vtkCellTypes.h>
 #include <vtkDataArray.h>
 #include <vtkDataSetReader.h>
 #include <vtkFieldData.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -18,8 +21,9 @@
 #include <cstdlib>
 #include <new>
 
-#include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
+#include "pipeline/io/text_header.h"
+#include "pipeline/io/text_scanner.h"
 
 namespace periost {
 namespace {
@@ -27,18 +31,45 @@ namespace {
 using Path = std::filesystem::path;
 
 [[noreturn]] void fail(const char* code, const Path& path, const std::string& what) {
-  throw Error(ErrorKind::kInput, code, fmt::format("'{}': {}", path.string(), what));
+  refuse_mesh(code, fmt::format("'{}'", path.string()), what);
+}
+
+[[noreturn]] void fail_count(const Path& path, std::string_view key, double count) {
+  refuse_mesh("mesh.truncated", fmt::format("'{}'", path.string()),
+              fmt::format("{} of {:.0f} is more than the file can hold", key, count),
+              "copy or export the file again: its end is missing");
 }
 
 // Refuses counts that the file's size cannot hold, before VTK takes memory for them. Compressed blocks shrink
 // by at most a thousand.
-void check_counts(const Path& path, const std::string& text) {
+void check_xml_counts(const Path& path, const std::string& text) {
   for (const char* key : {"NumberOfPoints=\"", "NumberOfCells=\"", "NumberOfPolys=\"", "NumberOfTuples=\"",
                           "NumberOfStrips=\"", "NumberOfLines=\"", "NumberOfVerts=\""}) {
     for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
       const double count = std::strtod(text.c_str() + at + std::string_view(key).size(), nullptr);
       if (!(count >= 0) || count > 1000.0 * static_cast<double>(text.size())) {
-        fail("mesh.malformed", path, fmt::format("{}{:.0f}\" is more than the file can hold", key, count));
+        fail_count(path, std::string_view(key).substr(0, std::string_view(key).find('=')), count);
+      }
+    }
+  }
+}
+
+// The same for the keywords of legacy files, each at the start of a line and followed by one or two counts.
+// Every value takes at least a byte, a bit in arrays of bits.
+void check_legacy_counts(const Path& path, const std::string& text) {
+  for (const std::string_view key :
+       {"POINTS ", "CELLS ", "CELL_TYPES ", "POLYGONS ", "VERTICES ", "LINES ", "TRIANGLE_STRIPS ",
+        "OFFSETS ", "CONNECTIVITY ", "POINT_DATA ", "CELL_DATA ", "FIELD "}) {
+    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+      if (at > 0 && text[at - 1] != '\n') continue;
+      TextScanner line(std::string_view(text).substr(at));
+      line.word();
+      for (std::string_view word = line.word_in_line(); !word.empty(); word = line.word_in_line()) {
+        double count = 0;
+        std::from_chars(word.data(), word.data() + word.size(), count);
+        if (!(count >= 0) || count > 8.0 * static_cast<double>(text.size())) {
+          fail_count(path, key.substr(0, key.size() - 1), count);
+        }
       }
     }
   }
@@ -47,19 +78,27 @@ void check_counts(const Path& path, const std::string& text) {
 // VTK prints what it dislikes to standard error; our own sentence is enough.
 class QuietVtk {
  public:
-  QuietVtk() : before_(vtkObject::GetGlobalWarningDisplay()) { vtkObject::SetGlobalWarningDisplay(0); }
-  ~QuietVtk() { vtkObject::SetGlobalWarningDisplay(before_); }
+  QuietVtk() : display_(vtkObject::GetGlobalWarningDisplay()), log_(vtkLogger::GetCurrentVerbosityCutoff()) {
+    vtkObject::SetGlobalWarningDisplay(0);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  }
+  ~QuietVtk() {
+    vtkObject::SetGlobalWarningDisplay(display_);
+    vtkLogger::SetStderrVerbosity(log_);
+  }
   QuietVtk(const QuietVtk&) = delete;
   QuietVtk& operator=(const QuietVtk&) = delete;
 
  private:
-  int before_;
+  int display_;
+  vtkLogger::Verbosity log_;
 };
 
 template <class Reader>
 vtkSmartPointer<vtkDataSet> read_with(const Path& path) {
   const std::string text = read_text(path);
-  check_counts(path, text);
+  check_xml_counts(path, text);
+  check_legacy_counts(path, text);
   const QuietVtk quiet;
   vtkNew<Reader> reader;
   reader->SetFileName(path.c_str());
@@ -74,8 +113,9 @@ vtkSmartPointer<vtkDataSet> read_with(const Path& path) {
 }
 
 vtkSmartPointer<vtkDataSet> read_data(const Path& path) {
-  if (path.extension() == ".vtp") return read_with<vtkXMLPolyDataReader>(path);
-  if (path.extension() == ".vtu") return read_with<vtkXMLUnstructuredGridReader>(path);
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".vtp") return read_with<vtkXMLPolyDataReader>(path);
+  if (extension == ".vtu") return read_with<vtkXMLUnstructuredGridReader>(path);
   return read_with<vtkDataSetReader>(path);
 }
 
@@ -161,6 +201,19 @@ SurfaceMesh surface_of(vtkPointSet& data) {
   return mesh;
 }
 
+// Points, lines and faces may stand beside tetrahedra; other solids would be missing from the measurement.
+void check_is_no_solid(const Path& path, vtkPointSet& data, vtkIdType c) {
+  vtkCell* cell = data.GetCell(c);
+  if (cell->GetCellDimension() < 3) return;
+  const std::string_view name = vtkCellTypes::GetClassNameFromTypeId(cell->GetCellType());
+  Vec3 at;
+  if (cell->GetNumberOfPoints() > 0) data.GetPoint(cell->GetPointId(0), &at.x);
+  refuse_mesh("mesh.unsupported", fmt::format("'{}'", path.string()),
+              fmt::format("cell {} at ({:.2f}, {:.2f}, {:.2f}) is a {}", c, at.x, at.y, at.z,
+                          name.substr(name.rfind("vtk", 0) == 0 ? 3 : 0)),
+              "only tetrahedra of first and second order are measured: split the others, or leave them out");
+}
+
 TetMesh tets_of(const Path& path, vtkPointSet& data) {
   TetMesh mesh;
   mesh.points = points_of(data);
@@ -169,7 +222,10 @@ TetMesh tets_of(const Path& path, vtkPointSet& data) {
     const int type = data.GetCellType(c);
     data.GetCellPoints(c, ids);
     const auto id = [&](vtkIdType k) { return static_cast<Index>(ids->GetId(k)); };
-    if (type != VTK_TETRA && type != VTK_QUADRATIC_TETRA) continue;
+    if (type != VTK_TETRA && type != VTK_QUADRATIC_TETRA) {
+      check_is_no_solid(path, data, c);
+      continue;
+    }
     if (ids->GetNumberOfIds() != (type == VTK_TETRA ? 4 : 10)) {
       fail("mesh.malformed", path, fmt::format("cell {} has {} corners", c, ids->GetNumberOfIds()));
     }
@@ -177,7 +233,7 @@ TetMesh tets_of(const Path& path, vtkPointSet& data) {
     if (type == VTK_QUADRATIC_TETRA) mesh.midside.push_back({id(4), id(5), id(6), id(7), id(8), id(9)});
   }
   if (!mesh.midside.empty() && mesh.midside.size() != mesh.tets.size()) {
-    fail("mesh.malformed", path, "it mixes tetrahedra of first and second order");
+    fail("mesh.unsupported", path, "it mixes tetrahedra of first and second order");
   }
   mesh.point_fields = fields_of(data.GetPointData(), mesh.points.size());
   mesh.tet_fields = fields_of(data.GetCellData(), mesh.tets.size());
@@ -220,7 +276,7 @@ SurfaceMesh read_vtk_surface(const Path& path) {
   return surface_of(*vtkPointSet::SafeDownCast(data));
 }
 
-std::variant<SurfaceMesh, TetMesh> read_vtk_mesh(const Path& path) {
+AnyMesh read_vtk_mesh(const Path& path) {
   const vtkSmartPointer<vtkDataSet> data = checked_data(path);
   TetMesh tets = tets_of(path, *vtkPointSet::SafeDownCast(data));
   for (std::size_t p = 0; p < tets.points.size(); ++p) {

@@ -54,6 +54,49 @@ TEST_F(QualityOfFiles, AGatePassesWith0AndFailsWith3) {
   EXPECT_THAT(failed.out, HasSubstr("verdict: fail"));
 }
 
+// A cube of six tetrahedra around a diagonal, as Gmsh and TetGen would write it.
+TEST_F(QualityOfFiles, VolumesOfOtherProgramsWithReferenceAndGates) {
+  const SurfaceMesh box = box_surface({0, 0, 0}, {2, 2, 2});
+  std::string points, msh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n", tets, ele = "6 4 0\n";
+  for (std::size_t p = 0; p < 8; ++p) {
+    const auto& [x, y, z] = box.points[p];
+    points += std::to_string(p + 1) + " " + std::to_string(x) + " " + std::to_string(y) + " " +
+              std::to_string(z) + "\n";
+  }
+  constexpr int kTets[6][4] = {{1, 2, 4, 8}, {1, 4, 3, 8}, {1, 3, 7, 8},
+                               {1, 7, 5, 8}, {1, 5, 6, 8}, {1, 6, 2, 8}};
+  for (int t = 0; t < 6; ++t) {
+    const auto& [a, b, c, d] = kTets[t];
+    const std::string corners = std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + " " +
+                                std::to_string(d) + "\n";
+    tets += std::to_string(t + 1) + " 4 2 1 1 " + corners;
+    ele += std::to_string(t + 1) + " " + corners;
+  }
+  folder_.write("cube.node", "8 3 0 0\n" + points);
+  const std::string reference = (folder_.path() / "box.stl").string();
+  write_surface(box_surface({0, 0, -0.25}, {2, 2, 2}), reference);
+  for (const auto& [name, text] :
+       {std::pair{"cube.msh", msh + points + "$EndNodes\n$Elements\n6\n" + tets + "$EndElements\n"},
+        std::pair{"cube.ele", ele}}) {
+    const ProcessResult result =
+        quality({folder_.write(name, text).string(), "--reference", reference, "--format", "json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto document = nlohmann::json::parse(result.out);
+    EXPECT_EQ(document["volume"]["tets"], 6);
+    EXPECT_NEAR(document["volume"]["volume_mm3"].get<double>(), 8, 1e-12);
+    EXPECT_NEAR(document["volume"]["min_dihedral_deg"]["min"].get<double>(), 45, 1e-9);
+    EXPECT_EQ(document["surface"]["triangles"], 12);
+    EXPECT_NEAR(document["surface"]["distance"]["hausdorff"].get<double>(), 0.25, 1e-6);
+    const ProcessResult strict = quality({(folder_.path() / name).string(), "--preset", "fe-strict"});
+    EXPECT_EQ(strict.exit_code, 0) << strict.out;
+    EXPECT_EQ(
+        quality({(folder_.path() / name).string(), "--gate", "volume.min_dihedral_deg.min=46"}).exit_code, 3);
+  }
+  const ProcessResult surface = quality({mesh_, "--reference", (folder_.path() / "cube.ele").string()});
+  EXPECT_EQ(surface.exit_code, 0) << surface.err;
+  EXPECT_THAT(surface.out, HasSubstr("surface.distance.hausdorff"));
+}
+
 TEST_F(QualityOfFiles, UnreadableMeshesAreTheInputsFault) {
   const ProcessResult missing = quality({(folder_.path() / "absent.stl").string()});
   EXPECT_EQ(missing.exit_code, 4);

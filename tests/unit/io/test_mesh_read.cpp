@@ -63,6 +63,9 @@ TEST_F(MeshRead, DoublePrecisionFormatsComeBackBitByBit) {
   SurfaceMesh mesh = test::sphere_surface({1.0 / 3, -2e3, 7}, 11, 2);
   mesh.voxel_mm = 1.5;
   mesh.point_fields["height"] = std::vector<float>(mesh.points.size(), 0.25F);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    mesh.triangle_fields["angle"].push_back(static_cast<float>(t) / 3);
+  }
   for (const char* format : {"ply", "obj", "off", "vtp"}) {
     const fs::path path = folder_ / (std::string("mesh.") + format);
     write_surface(mesh, path);
@@ -72,6 +75,7 @@ TEST_F(MeshRead, DoublePrecisionFormatsComeBackBitByBit) {
     EXPECT_TRUE(back.was_read);
     if (std::string(format) == "vtp" || std::string(format) == "ply") {
       EXPECT_EQ(back.point_fields, mesh.point_fields);
+      EXPECT_EQ(back.triangle_fields, mesh.triangle_fields);
     }
     if (std::string(format) == "vtp") {
       EXPECT_EQ(back.voxel_mm, 1.5);
@@ -108,6 +112,17 @@ TEST_F(MeshRead, TextFormatsByHand) {
                                "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))
                 .triangles.size(),
             1u);
+}
+
+TEST_F(MeshRead, EachTriangleOfAPolygonHasThePolygonsValue) {
+  const SurfaceMesh mesh = read_surface(write(
+      "q.ply",
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty float before\nproperty list uchar int vertex_indices\nproperty uchar after\n"
+      "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n0.5 4 0 1 2 3 7\n0.25 3 0 1 4 9\n"));
+  EXPECT_EQ(mesh.triangles.size(), 3u);
+  EXPECT_EQ(mesh.triangle_fields.at("before"), (std::vector<float>{0.5F, 0.5F, 0.25F}));
+  EXPECT_EQ(mesh.triangle_fields.at("after"), (std::vector<float>{7, 7, 9}));
 }
 
 TEST_F(MeshRead, BrokenFilesAreRefusedWithAPlace) {
