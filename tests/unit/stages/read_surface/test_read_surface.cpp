@@ -116,14 +116,14 @@ TEST_F(ReadSurface, CoordinatesThatAreNoNumbersAreRefusedEvenWhenAnythingGoes) {
   any.require = SurfaceRequirement::kAny;
   any.path = folder_.write("nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n");
   EXPECT_EQ(refused(any), "surface.not_finite");
-  EXPECT_THAT(said_, HasSubstr("point 1"));
+  EXPECT_THAT(said_, HasSubstr("nan.off:4"));
   any.path = folder_.write("far.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1e306 0\n3 0 1 2\n");
   any.unit = SurfaceUnit::kMetre;
   EXPECT_EQ(refused(any), "surface.not_finite");
   EXPECT_THAT(said_, HasSubstr("point 2"));
   any.path = folder_.write("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
   EXPECT_EQ(refused(any), "surface.bad_index");
-  EXPECT_THAT(said_, HasSubstr("triangle 0 names point 7 of 3"));
+  EXPECT_THAT(said_, HasSubstr("index.off:6: a face names vertex 7 of 3"));
 }
 
 TEST_F(ReadSurface, SelfIntersectionsAreLeftToLaterStages) {
