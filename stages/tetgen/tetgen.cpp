@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/tet_faces.h"
+#include "pipeline/io/image_read.h"
 #include "stages/tetgen/bodies.h"
+#include "stages/tetgen/reached.h"
+#include "stages/tetgen/sizes.h"
 #include "stages/tetgen/surface_check.h"
 #include "stages/tetgen/worker_client.h"
 
@@ -30,8 +34,7 @@ constexpr Attempt kAttempts[] = {{1e-8, true}, {1e-12, true}, {1e-12, false}};
 // are finest.
 struct Centred {
   std::vector<Index> original;  // per point in use, its index in the surface
-  std::vector<Vec3> points;
-  std::vector<Triangle> triangles;
+  SurfaceMesh surface;
   Vec3 centre;
 };
 
@@ -54,6 +57,7 @@ Vec3 round_centre(const SurfaceMesh& surface) {
 
 Centred centred(const SurfaceMesh& surface) {
   Centred result;
+  result.surface.voxel_mm = surface.voxel_mm;
   result.centre = round_centre(surface);
   std::vector<Index> renumbered(surface.points.size(), kNoIndex);
   for (const Triangle& triangle : surface.triangles) {
@@ -61,14 +65,27 @@ Centred centred(const SurfaceMesh& surface) {
   }
   for (Index p = 0; p < surface.points.size(); ++p) {
     if (renumbered[p] == kNoIndex) continue;
-    renumbered[p] = static_cast<Index>(result.points.size());
+    renumbered[p] = static_cast<Index>(result.surface.points.size());
     result.original.push_back(p);
-    result.points.push_back(surface.points[p] - result.centre);
+    result.surface.points.push_back(surface.points[p] - result.centre);
   }
   for (const auto& [a, b, c] : surface.triangles) {
-    result.triangles.push_back({renumbered[a], renumbered[b], renumbered[c]});
+    result.surface.triangles.push_back({renumbered[a], renumbered[b], renumbered[c]});
   }
   return result;
+}
+
+// The tighter of the two limits; 0: none.
+std::uint64_t memory_limit(const TetgenOptions& options, const Context& context) {
+  const std::uint64_t own = options.memory_limit.bytes, given = context.memory_bytes;
+  return own == 0 || given == 0 ? std::max(own, given) : std::min(own, given);
+}
+
+periost_tetgen::SizeGrid asked_sizes(const Centred& input, const TetgenOptions& options,
+                                     const Context& context) {
+  std::optional<Image> field;
+  if (!options.sizes.field.empty()) field = read_image(options.sizes.field, {}, context);
+  return make_size_grid(input.surface, input.centre, options, field ? &*field : nullptr, context);
 }
 
 bool is_worth_another_attempt(Status status) {
@@ -78,11 +95,12 @@ bool is_worth_another_attempt(Status status) {
 
 [[noreturn]] void fail(const WorkerReply& reply, const TetgenOptions& options, const Context& context) {
   if (reply.status == Status::kMemory) {
+    const std::uint64_t limit = memory_limit(options, context);
     throw Error(ErrorKind::kLimit, "tetgen.memory",
-                context.memory_bytes > 0 ? fmt::format("TetGen needs more than the {} of memory it was given",
-                                                       to_text(ByteSize{context.memory_bytes}))
-                                         : "TetGen ran out of memory",
-                "raise --memory, decimate further, or raise max_volume");
+                limit > 0 ? fmt::format("TetGen needs more than the {} of memory it was given",
+                                        to_text(ByteSize{limit}))
+                          : "TetGen ran out of memory",
+                "raise --memory or memory_limit, decimate further, or ask for larger tetrahedra");
   }
   if (reply.status == Status::kTimeLimit) {
     throw Error(ErrorKind::kLimit, "tetgen.time",
@@ -117,9 +135,10 @@ TetMesh take_mesh(WorkerReply&& reply, const Centred& input, const SurfaceMesh& 
   mesh.voxel_mm = surface.voxel_mm;
   mesh.tets = std::move(reply.tets);
   mesh.points = std::move(reply.points);
-  const std::size_t given = input.points.size();
-  const bool are_kept = mesh.points.size() >= given &&
-                        std::equal(input.points.begin(), input.points.end(), mesh.points.begin());
+  const std::size_t given = input.surface.points.size();
+  const bool are_kept =
+      mesh.points.size() >= given &&
+      std::equal(input.surface.points.begin(), input.surface.points.end(), mesh.points.begin());
   for (std::size_t p = 0; p < mesh.points.size(); ++p) {
     // Moving back would round: the surface's own points return with their bits.
     mesh.points[p] =
@@ -138,8 +157,8 @@ std::vector<Triangle> sorted_triangles(std::vector<Triangle> triangles) {
 std::vector<std::int32_t> regions(const TetMesh& mesh, const std::vector<TetNeighbours>& neighbours,
                                   const Centred& input, const Bodies& bodies) {
   std::vector<std::int32_t> number_of_point(mesh.points.size(), 0);
-  for (std::size_t t = 0; t < input.triangles.size(); ++t) {
-    for (const Index corner : input.triangles[t]) {
+  for (std::size_t t = 0; t < input.surface.triangles.size(); ++t) {
+    for (const Index corner : input.surface.triangles[t]) {
       number_of_point[corner] = bodies.number[bodies.shell_of_triangle[t]];
     }
   }
@@ -156,21 +175,6 @@ std::vector<std::int32_t> regions(const TetMesh& mesh, const std::vector<TetNeig
   return region;
 }
 
-double worst_dihedral_deg(const TetMesh& mesh) {
-  double largest_cosine = -1;
-  for (const Tetrahedron& tet : mesh.tets) {
-    Vec3 normal[4];
-    for (int k = 0; k < 4; ++k) {
-      const auto [a, b, c] = face_of(tet, k);
-      normal[k] = normalized(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a]));
-    }
-    for (int i = 0; i < 4; ++i) {
-      for (int j = i + 1; j < 4; ++j) largest_cosine = std::max(largest_cosine, -dot(normal[i], normal[j]));
-    }
-  }
-  return std::acos(std::clamp(largest_cosine, -1.0, 1.0)) * 57.29577951308232;
-}
-
 void log_bodies(const Bodies& bodies, const Context& context) {
   context.info("tetgen.bodies",
                fmt::format("{} bodies, {} cavities", bodies.body_count(), bodies.cavity_seeds.size()));
@@ -182,13 +186,10 @@ void log_bodies(const Bodies& bodies, const Context& context) {
   }
 }
 
-void log_result(const TetMesh& mesh, const TetgenOptions& options, double seconds, const Context& context) {
+void log_result(const TetMesh& mesh, double seconds, const Context& context) {
   context.info("tetgen.done",
-               fmt::format("{} tetrahedra, {} points in {:.1f} s; asked for radius-edge {} and dihedral {} "
-                           "deg, reached a smallest dihedral of {:.2f} deg; surface {}",
-                           mesh.tets.size(), mesh.points.size(), seconds, to_text(options.max_radius_edge),
-                           to_text(options.min_dihedral.degrees), worst_dihedral_deg(mesh),
-                           mesh.boundary_preserved ? "kept" : "changed"));
+               fmt::format("{} tetrahedra, {} points in {:.1f} s; surface {}", mesh.tets.size(),
+                           mesh.points.size(), seconds, mesh.boundary_preserved ? "kept" : "changed"));
 }
 
 }  // namespace
@@ -196,29 +197,33 @@ void log_result(const TetMesh& mesh, const TetgenOptions& options, double second
 TetMesh tetrahedralize(const SurfaceMesh& surface, const TetgenOptions& options, const Context& context) {
   const auto start = Clock::now();
   check_fillable(surface, context);
-  const Bodies bodies = find_bodies(surface, context);
+  const Centred input = centred(surface);
+  // In the coordinates that TetGen gets, so that the seeds lie in the cavities as it sees them.
+  const Bodies bodies = find_bodies(input.surface, context);
   log_bodies(bodies, context);
 
-  const Centred input = centred(surface);
   WorkerRequest request;
   request.header.flags = options.preserve_surface ? periost_tetgen::kPreserveSurface : 0;
   request.header.max_radius_edge = options.max_radius_edge;
   request.header.min_dihedral_deg = options.min_dihedral.degrees;
   request.header.max_volume = options.max_volume;
-  request.header.memory_bytes = context.memory_bytes;
-  request.points = input.points;
-  request.triangles = input.triangles;
-  for (const Vec3& seed : bodies.cavity_seeds) request.holes.push_back(seed - input.centre);
+  request.header.memory_bytes = memory_limit(options, context);
+  request.points = input.surface.points;
+  request.triangles = input.surface.triangles;
+  request.holes = bodies.cavity_seeds;
+  if (options.sizes.is_any()) request.sizes = asked_sizes(input, options, context);
 
-  TetMesh mesh = take_mesh(mesh_with_attempts(request, options, context), input, surface);
+  WorkerReply reply = mesh_with_attempts(request, options, context);
+  log_reached(reply.points, reply.tets, input.surface.points.size(), options, request.sizes, context);
+  TetMesh mesh = take_mesh(std::move(reply), input, surface);
   const std::vector<TetNeighbours> neighbours = tet_neighbours(mesh.tets, mesh.points.size());
   for (const BoundaryFace& face : boundary_faces(neighbours)) {
     mesh.boundary.push_back(face_of(mesh.tets[face.tet], face.opposite));
   }
-  mesh.boundary_preserved = sorted_triangles(mesh.boundary) == sorted_triangles(input.triangles);
+  mesh.boundary_preserved = sorted_triangles(mesh.boundary) == sorted_triangles(input.surface.triangles);
   mesh.region = regions(mesh, neighbours, input, bodies);
   if (options.order == 2) add_midside_nodes(mesh);
-  log_result(mesh, options, std::chrono::duration<double>(Clock::now() - start).count(), context);
+  log_result(mesh, std::chrono::duration<double>(Clock::now() - start).count(), context);
   return mesh;
 }
 

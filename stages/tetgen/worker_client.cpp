@@ -143,10 +143,16 @@ std::string encode(const WorkerRequest& request) {
   header.points = request.points.size();
   header.triangles = request.triangles.size();
   header.holes = request.holes.size();
+  for (std::size_t k = 0; k < 3; ++k) {
+    header.size_origin[k] = request.sizes.origin[k];
+    header.size_nodes[k] = request.sizes.nodes[k];
+  }
+  header.size_spacing = request.sizes.spacing;
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   append(bytes, request.points);
   append(bytes, request.triangles);
   append(bytes, request.holes);
+  append(bytes, request.sizes.values);
   return bytes;
 }
 

@@ -7,6 +7,7 @@
 #include "pipeline/base/context.h"
 #include "pipeline/data/tet_mesh.h"
 #include "workers/tetgen/protocol.h"
+#include "workers/tetgen/size_grid.h"
 
 namespace periost {
 
@@ -15,6 +16,7 @@ struct WorkerRequest {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<Vec3> holes;
+  periost_tetgen::SizeGrid sizes;  // may be empty
 };
 
 struct WorkerReply {

@@ -39,10 +39,11 @@ bool write_bytes(int descriptor, const void* data, std::size_t bytes) {
   return true;
 }
 
+// `items` of `each` numbers.
 template <class T>
-bool read_array(int descriptor, std::uint64_t triples, std::vector<T>& values) {
-  if (triples > 0xFFFFFFFFU) return false;
-  std::uint64_t left = 3 * triples;
+bool read_array(int descriptor, std::uint64_t items, std::uint64_t each, std::vector<T>& values) {
+  if (items > 0xFFFFFFFFU) return false;
+  std::uint64_t left = each * items;
   while (left > 0) {
     const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(left, kChunk / sizeof(T)));
     const std::size_t old = values.size();
@@ -51,6 +52,18 @@ bool read_array(int descriptor, std::uint64_t triples, std::vector<T>& values) {
     left -= part;
   }
   return true;
+}
+
+bool read_sizes(int descriptor, const RequestHeader& header, SizeGrid& grid) {
+  std::uint64_t count = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    grid.origin[axis] = header.size_origin[axis];
+    grid.nodes[axis] = header.size_nodes[axis];
+    if (grid.nodes[axis] > 0xFFFF) return false;
+    count *= grid.nodes[axis];
+  }
+  grid.spacing = header.size_spacing;
+  return read_array(descriptor, count, 1, grid.values);
 }
 
 template <class T>
@@ -83,9 +96,10 @@ void write_text(std::FILE* file, const Reply& reply) {
 bool read_request(int descriptor, Request& request) {
   RequestHeader& header = request.header;
   return read_bytes(descriptor, &header, sizeof header) && header.magic == kRequestMagic &&
-         read_array(descriptor, header.points, request.points) &&
-         read_array(descriptor, header.triangles, request.triangles) &&
-         read_array(descriptor, header.holes, request.holes);
+         read_array(descriptor, header.points, 3, request.points) &&
+         read_array(descriptor, header.triangles, 3, request.triangles) &&
+         read_array(descriptor, header.holes, 3, request.holes) &&
+         read_sizes(descriptor, header, request.sizes);
 }
 
 bool write_reply(int descriptor, const Reply& reply) {

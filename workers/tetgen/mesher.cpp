@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: AGPL-3.0-or-later
 #include "workers/tetgen/mesher.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -103,12 +104,36 @@ Reply failed(Status status) {
   return reply;
 }
 
+// TetGen asks by a plain function; the process makes one mesh.
+const SizeGrid* asked_sizes = nullptr;
+
+// Whether an edge of a tetrahedron is longer than what is asked at both its ends. (The larger of the two
+// counts, so that an edge of a coarse surface that is kept does not call for points without end.)
+bool is_too_large(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL) {
+  const REAL* corner[4] = {a, b, c, d};
+  double size[4];
+  for (int i = 0; i < 4; ++i) size[i] = size_at(*asked_sizes, corner[i]);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i + 1; j < 4; ++j) {
+      double squared = 0;
+      for (int k = 0; k < 3; ++k) squared += (corner[i][k] - corner[j][k]) * (corner[i][k] - corner[j][k]);
+      const double limit = std::max(size[i], size[j]);
+      if (squared > limit * limit) return true;
+    }
+  }
+  return false;
+}
+
 Reply run(const Request& request) {
   // Neither is ever destroyed: after a failure TetGen's own clean-up cannot be trusted, and the process ends.
   auto* in = new tetgenio;
   auto* out = new tetgenio;
   try {
     fill(*in, request);
+    if (!request.sizes.is_empty()) {
+      asked_sizes = &request.sizes;
+      in->tetunsuitable = is_too_large;
+    }
     std::string text = switches(request.header);
     tetgenbehavior behaviour;
     if (!behaviour.parse_commandline(text.data())) return failed(Status::kBadRequest);
@@ -142,6 +167,10 @@ std::string fault_of(const Request& request) {
   for (const double value : request.holes) {
     if (!std::isfinite(value)) return "a hole's seed is not a finite number";
   }
+  for (const float size : request.sizes.values) {
+    if (!std::isfinite(size) || size <= 0) return "a size is not a finite number above 0";
+  }
+  if (!request.sizes.is_empty() && !(request.sizes.spacing > 0)) return "the grid of sizes has no spacing";
   for (const std::uint32_t index : request.triangles) {
     if (index >= request.points.size() / 3) return "a triangle names a point that does not exist";
   }

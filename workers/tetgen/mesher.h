@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "workers/tetgen/protocol.h"
+#include "workers/tetgen/size_grid.h"
 
 namespace periost_tetgen {
 
@@ -14,6 +15,7 @@ struct Request {
   std::vector<double> points;            // x y z
   std::vector<std::uint32_t> triangles;  // three indices from 0
   std::vector<double> holes;             // x y z, a point inside each cavity
+  SizeGrid sizes;                        // largest edges by place; may be empty
 };
 
 struct Reply {

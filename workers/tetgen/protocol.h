@@ -7,13 +7,14 @@
 
 namespace periost_tetgen {
 
-inline constexpr std::uint64_t kRequestMagic = 0x31514552'47455450;  // "PTEGREQ1" in memory order
+inline constexpr std::uint64_t kRequestMagic = 0x32514552'47455450;  // "PTEGREQ2" in memory order
 inline constexpr std::uint64_t kReplyMagic = 0x31504552'47455450;    // "PTEGREP1"
 
 // Bits of RequestHeader::flags.
 inline constexpr std::uint32_t kPreserveSurface = 1;
 
-// Followed by points x 3 doubles, triangles x 3 uint32, holes x 3 doubles. Zero switches a limit off.
+// Followed by points x 3 doubles, triangles x 3 uint32, holes x 3 doubles, and one float for each node of the
+// grid of sizes (size_grid.h). Zero switches a limit off, and three times zero nodes the sizes.
 struct RequestHeader {
   std::uint64_t magic = kRequestMagic;
   std::uint32_t flags = kPreserveSurface;
@@ -26,6 +27,10 @@ struct RequestHeader {
   std::uint64_t memory_bytes = 0;
   double cpu_seconds = 0;
   std::uint64_t points = 0, triangles = 0, holes = 0;
+  double size_origin[3] = {0, 0, 0};  // of the grid of sizes
+  double size_spacing = 1;
+  std::uint32_t size_nodes[3] = {0, 0, 0};
+  std::uint32_t reserved_too = 0;
 };
 
 // How it ended; also the exit code of a run from files. 1 to 10 are TetGen's own numbers.
@@ -52,6 +57,6 @@ struct ReplyHeader {
   std::uint64_t points = 0, tets = 0;
 };
 
-static_assert(sizeof(RequestHeader) == 96 && sizeof(ReplyHeader) == 32, "the layout has no holes");
+static_assert(sizeof(RequestHeader) == 144 && sizeof(ReplyHeader) == 32, "the layout has no holes");
 
 }  // namespace periost_tetgen

@@ -95,7 +95,9 @@ std::string fault_of(const fs::path& relative, const std::string& include, bool 
   }
   const std::string own_folder = relative.parent_path().generic_string() + "/";
   if (include.rfind(own_folder, 0) == 0) return {};
-  if (include == "workers/tetgen/protocol.h" && own_folder == "stages/tetgen/") return {};
+  const bool is_wire_format =
+      include == "workers/tetgen/protocol.h" || include == "workers/tetgen/size_grid.h";
+  if (is_wire_format && own_folder == "stages/tetgen/") return {};
   if (include.rfind("pipeline/", 0) == 0) {
     const std::string folder = include.substr(9, include.find('/', 9) - 9);
     return allowed.folders.contains(folder) ? "" : "may not include pipeline/" + folder;

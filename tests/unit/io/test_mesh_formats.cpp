@@ -55,7 +55,7 @@ std::vector<Index> gmsh_nodes_of(const TetMesh& mesh, std::size_t t) {
   return nodes;
 }
 
-enum class Writing { kText, kLittle, kBig };
+enum class Writing { kText, kLittleEnd, kBigEnd };
 
 // Numbers as text, or as bytes of one order or the other.
 class Writer {
@@ -79,7 +79,7 @@ class Writer {
     }
     std::string raw(sizeof value, '\0');
     std::memcpy(raw.data(), &value, sizeof value);
-    if (writing_ == Writing::kBig) std::reverse(raw.begin(), raw.end());
+    if (writing_ == Writing::kBigEnd) std::reverse(raw.begin(), raw.end());
     bytes += raw;
   }
   Writing writing_;
@@ -230,11 +230,11 @@ std::string vtk_legacy(const TetMesh& mesh) {
 // Files of every format by their name; TetGen's needs its nodes beside it.
 std::map<std::string, std::string> all_formats(const TetMesh& mesh) {
   return {{"text2.msh", gmsh_2(mesh, Writing::kText)},
-          {"little2.msh", gmsh_2(mesh, Writing::kLittle)},
-          {"big2.msh", gmsh_2(mesh, Writing::kBig)},
+          {"little2.msh", gmsh_2(mesh, Writing::kLittleEnd)},
+          {"big2.msh", gmsh_2(mesh, Writing::kBigEnd)},
           {"text4.msh", gmsh_4(mesh, Writing::kText)},
-          {"little4.msh", gmsh_4(mesh, Writing::kLittle)},
-          {"big4.MSH", gmsh_4(mesh, Writing::kBig)},
+          {"little4.msh", gmsh_4(mesh, Writing::kLittleEnd)},
+          {"big4.MSH", gmsh_4(mesh, Writing::kBigEnd)},
           {"deck.inp", abaqus(mesh)},
           {"legacy.vtk", vtk_legacy(mesh)},
           {"one.node", tetgen_node(mesh, 1)},
