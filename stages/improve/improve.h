@@ -27,6 +27,8 @@ struct ImproveOptions {
   Length tolerance = Length::mm(0);  // largest distance to the isosurface after sliding; 0: the decimator's
   bool split_thin = false;           // put points between the two sides of thin walls
   double max_growth = 0.15;          // of the number of tetrahedra, as a share of it
+  bool curved = false;        // second order: the boundary's mid-side nodes on the isosurface (the stage's)
+  double min_jacobian = 0.5;  // no element may fall below it by that: smallest J / largest |J|
 };
 
 // What a slid boundary is compared with; null for what the chain did not make.

@@ -1,4 +1,5 @@
 #include "pipeline/stage/stage.h"
+#include "pipeline/geometry/curve_boundary.h"
 #include "stages/improve/improve.h"
 
 namespace periost {
@@ -33,10 +34,19 @@ class ImproveStage final : public StageOf<ImproveOptions> {
         .param("split_thin", &ImproveOptions::split_thin, Quantity::kNone, Range::any(),
                "Put points between the two sides of thin walls where dihedral angles stay above 20 deg.")
         .param("max_growth", &ImproveOptions::max_growth, Quantity::kFraction, Range::between(0, 1),
-               "Largest growth of the number of tetrahedra, as a share of it.");
+               "Largest growth of the number of tetrahedra, as a share of it.")
+        .param("curved", &ImproveOptions::curved, Quantity::kNone, Range::any(),
+               "With second order: place the mid-side nodes of the boundary on the isosurface.")
+        .param("min_jacobian", &ImproveOptions::min_jacobian, Quantity::kNumber, Range::between(0, 1),
+               "With curved: smallest over largest Jacobian that an element may have; else its nodes stay "
+               "straight.");
   }
 
-  void preflight(const ImproveOptions&, Preflight& preflight) const override {
+  void preflight(const ImproveOptions& options, Preflight& preflight) const override {
+    if (options.curved && !preflight.inputs.contains("isosurface")) {
+      preflight.error("improve.curved", "curved", "there is no isosurface before this stage",
+                      "start the chain from an image");
+    }
     const Forecast& in = preflight.inputs["tet_mesh"];
     const Forecast& isosurface = preflight.inputs["isosurface"];
     preflight.outputs["tet_mesh"] = in;
@@ -50,6 +60,9 @@ class ImproveStage final : public StageOf<ImproveOptions> {
     const auto surface = inputs.find<SurfaceMesh>("surface");
     ImproveResult result = improve(inputs.get<TetMesh>("tet_mesh"),
                                    {isosurface.get(), simplex_mesh.get(), surface.get()}, options, context);
+    if (options.curved && result.mesh.order() == 2) {
+      curve_boundary_and_log(result.mesh, *isosurface, {options.min_jacobian}, "improve.curved", context);
+    }
     return {std::move(result.mesh), std::move(result.surface)};
   }
 };

@@ -1,5 +1,6 @@
 #include "pipeline/stage/stage.h"
 #include "pipeline/base/error.h"
+#include "pipeline/geometry/curve_boundary.h"
 #include "pipeline/io/image_read.h"
 #include "stages/tetgen/tetgen.h"
 
@@ -42,6 +43,7 @@ class TetgenStage final : public StageOf<TetgenOptions> {
     d.stage("tetgen", 2, "Fills a closed surface with tetrahedra by TetGen, in a process of its own.")
         .input<SurfaceMesh>("surface", "The surface to fill.",
                             {.closed = true, .manifold = true, .oriented = true})
+        .optional_input<Isosurface>("isosurface", "What mid-side nodes are placed on with curved: true.")
         .output<TetMesh>("tet_mesh", "Tetrahedra with the number of their body and the boundary.")
         .param(
             "max_radius_edge", &TetgenOptions::max_radius_edge, Quantity::kNumber, Range::at_least(1),
@@ -57,6 +59,11 @@ class TetgenStage final : public StageOf<TetgenOptions> {
                "Keep every triangle of the surface; otherwise TetGen may add points on it.")
         .param("order", &TetgenOptions::order, Quantity::kCount, Range::between(1, 2),
                "1 for linear tetrahedra, 2 for quadratic ones with mid-side nodes.")
+        .param("curved", &TetgenOptions::curved, Quantity::kNone, Range::any(),
+               "With order 2: place the mid-side nodes of the boundary on the isosurface.")
+        .param("min_jacobian", &TetgenOptions::min_jacobian, Quantity::kNumber, Range::between(0, 1),
+               "With curved: smallest over largest Jacobian that an element may have; else its nodes stay "
+               "straight.")
         .param("optimise", &TetgenOptions::optimise, Quantity::kAngle, Range::between(0, 180),
                "TetGen works at the end on dihedral angles above this; 0 switches that off.")
         .param("time_limit", &TetgenOptions::time_limit, Quantity::kSeconds, Range::above(0),
@@ -72,6 +79,12 @@ class TetgenStage final : public StageOf<TetgenOptions> {
     // Kept surfaces of bones give two to four tetrahedra a triangle; without a kept surface four times that.
     out.tets = surface.triangles * (options.preserve_surface ? 4 : 16);
     preflight.peak_bytes = 250 * out.tets;
+    if (options.curved && (options.order != 2 || !preflight.inputs.contains("isosurface"))) {
+      preflight.error("tetgen.curved", "curved",
+                      options.order != 2 ? "elements of first order have no mid-side nodes"
+                                         : "there is no isosurface before this stage",
+                      options.order != 2 ? "set order: 2" : "start the chain from an image");
+    }
     if (!options.sizes.field.empty()) check_field(options, preflight);
     if (options.max_radius_edge < 1.2 || options.min_dihedral.degrees > 15) {
       preflight.warning("tetgen.may_not_end",
@@ -90,7 +103,12 @@ class TetgenStage final : public StageOf<TetgenOptions> {
   }
 
   Outputs run(const TetgenOptions& options, const Inputs& inputs, Context& context) const override {
-    return {tetrahedralize(inputs.get<SurfaceMesh>("surface"), options, context)};
+    TetMesh mesh = tetrahedralize(inputs.get<SurfaceMesh>("surface"), options, context);
+    if (options.curved) {
+      curve_boundary_and_log(mesh, inputs.get<Isosurface>("isosurface"), {options.min_jacobian},
+                             "tetgen.curved", context);
+    }
+    return {std::move(mesh)};
   }
 };
 

@@ -44,9 +44,11 @@ struct TetgenOptions {
   SizeOptions sizes;                    // largest edges by place
   bool preserve_surface = true;         // keep every triangle; else TetGen may split them
   int order = 1;                        // 2: with mid-side nodes, on straight edges
-  Angle optimise = Angle::deg(140);     // dihedral angles above it are worked on at the end; 0: not at all
-  double time_limit = 900;              // seconds for all attempts
-  ByteSize memory_limit{0};             // of the worker; 0: what context.memory_bytes allows
+  bool curved = false;               // order 2: the boundary's mid-side nodes on the isosurface (the stage's)
+  double min_jacobian = 0.5;         // no element may fall below it by that: smallest J / largest |J|
+  Angle optimise = Angle::deg(140);  // dihedral angles above it are worked on at the end; 0: not at all
+  double time_limit = 900;           // seconds for all attempts
+  ByteSize memory_limit{0};          // of the worker; 0: what context.memory_bytes allows
 };
 
 // First the surface is checked on its own: finite, closed, manifold, oriented, no triangle without area, no
