@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -145,7 +146,7 @@ std::optional<float> value_at(const Image& field, Vec3 lps) {
   std::array<std::int32_t, 3> voxel;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(index[k] > -0.5 && index[k] < field.frame.dims[k] - 0.5)) return std::nullopt;
-    voxel[k] = static_cast<std::int32_t>(index[k] + 0.5);
+    voxel[k] = static_cast<std::int32_t>(std::lround(index[k]));
   }
   return field.values[field.frame.offset(voxel[0], voxel[1], voxel[2])];
 }
