@@ -67,6 +67,16 @@ struct VolumeQuality {
   std::optional<bool> boundary_preserved;
 };
 
+// The mesh as a solver meets it (pipeline/mechanics/fitness.h).
+struct MechanicsQuality {
+  double patch_test_error = 0;
+  std::uint64_t rigid_modes = 0;
+  double rigid_mode_error = 0;
+  double condition_ratio = 0;
+  std::uint64_t cg_iterations = 0;
+  double cg_ratio = 0;
+};
+
 enum class Verdict { kPass, kWarn, kFail };
 
 struct WorstElement {
@@ -92,6 +102,7 @@ struct QualityReport {
   std::optional<DecimationReport> decimation;
   std::optional<SurfaceQuality> surface;
   std::optional<VolumeQuality> volume;
+  std::optional<MechanicsQuality> mechanics;
   std::vector<GateResult> gates;
 };
 

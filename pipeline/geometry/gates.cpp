@@ -98,6 +98,10 @@ const std::vector<PresetRow>& preset_rows() {
       {"volume.mean_ratio.p01", kOff, fails(0.2), fails(0.35)},
       {"volume.jacobian_ratio.min", fails(0), fails(0, 0.3), fails(0.5)},
       {"volume.size_ratio.p99", kOff, warns(3), fails(2)},
+      {"mechanics.patch_test_error", fails(1e-9), fails(1e-9), fails(1e-9)},
+      {"mechanics.rigid_modes", fails(6), fails(6), fails(6)},
+      {"mechanics.condition_ratio", kOff, warns(20), warns(10)},
+      {"mechanics.cg_ratio", kOff, warns(4), warns(3)},
   };
   return rows;
 }

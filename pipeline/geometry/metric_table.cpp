@@ -36,6 +36,12 @@ std::function<Value(const QualityReport&)> in_volume(std::optional<T> VolumeQual
     return Value(static_cast<double>(*((*r.volume).*member)));
   };
 }
+template <class Member>
+std::function<Value(const QualityReport&)> in_mechanics(Member MechanicsQuality::*member) {
+  return [member](const QualityReport& r) {
+    return r.mechanics ? Value(static_cast<double>((*r.mechanics).*member)) : Value();
+  };
+}
 std::function<Value(const QualityReport&)> in_distance(Value (*get)(const SurfaceDistance&)) {
   return [get](const QualityReport& r) {
     return r.surface && r.surface->distance ? get(*r.surface->distance) : Value();
@@ -197,6 +203,30 @@ void add_volume(std::vector<Metric>& t) {
                in_volume(&V::boundary_preserved)});
 }
 
+void add_mechanics(std::vector<Metric>& t) {
+  using M = MechanicsQuality;
+  t.push_back({"mechanics.patch_test_error", "", "<=",
+               "Largest error of the nodes inside for a linear displacement of the boundary, to the "
+               "largest displacement.",
+               in_mechanics(&M::patch_test_error)});
+  t.push_back({"mechanics.rigid_modes", "",
+               "==", "Motions of the free body without energy: 6 when it is in one piece without hinges.",
+               in_mechanics(&M::rigid_modes)});
+  t.push_back({"mechanics.rigid_mode_error", "", "<=",
+               "Largest force at a node by a rigid motion, to what its row of the stiffness could hold.",
+               in_mechanics(&M::rigid_mode_error)});
+  t.push_back({"mechanics.condition_ratio", "", "<=",
+               "Largest eigenvalue of an element's stiffness matrix, to that of the ideal element of the "
+               "mean volume.",
+               in_mechanics(&M::condition_ratio)});
+  t.push_back({"mechanics.cg_iterations", "",
+               "<=", "Iterations of conjugate gradients (Jacobi) for the body on an elastic bed.",
+               in_mechanics(&M::cg_iterations)});
+  t.push_back({"mechanics.cg_ratio", "",
+               "<=", "These iterations to those of ideal elements of the mean volume.",
+               in_mechanics(&M::cg_ratio)});
+}
+
 }  // namespace
 
 const std::vector<Metric>& metrics() {
@@ -208,6 +238,7 @@ const std::vector<Metric>& metrics() {
     add_surface(t);
     add_distance(t);
     add_volume(t);
+    add_mechanics(t);
     return t;
   }();
   return table;

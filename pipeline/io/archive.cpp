@@ -14,7 +14,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'P', 'E', 'R', 'I', 'O', 'A', 'R', 'T'};
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kHeaderBytes = kMagic.size() + 4 + 4 + 8;
 
@@ -245,6 +245,12 @@ void walk(W& w, T& q) {
           mean_ratio, aspect_ratio, size_ratio, jacobian_ratio, preserved);
 }
 
+template <class W, Same<MechanicsQuality> T>
+void walk(W& w, T& q) {
+  auto& [patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio] = q;
+  members(w, patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio);
+}
+
 template <class W, Same<WorstElement> T>
 void walk(W& w, T& worst) {
   auto& [element, value, centre, origin] = worst;
@@ -259,8 +265,8 @@ void walk(W& w, T& gate) {
 
 template <class W, Same<QualityReport> T>
 void walk(W& w, T& report) {
-  auto& [verdict, preset, isosurface, decimation, surface, volume, gates] = report;
-  members(w, verdict, preset, isosurface, decimation, surface, volume, gates);
+  auto& [verdict, preset, isosurface, decimation, surface, volume, mechanics, gates] = report;
+  members(w, verdict, preset, isosurface, decimation, surface, volume, mechanics, gates);
 }
 
 template <class W, Same<Deck> T>

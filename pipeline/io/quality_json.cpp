@@ -106,6 +106,12 @@ Json json_of(const VolumeQuality& q) {
   return json;
 }
 
+Json json_of(const MechanicsQuality& q) {
+  return {{"patch_test_error", q.patch_test_error}, {"rigid_modes", q.rigid_modes},
+          {"rigid_mode_error", q.rigid_mode_error}, {"condition_ratio", q.condition_ratio},
+          {"cg_iterations", q.cg_iterations},       {"cg_ratio", q.cg_ratio}};
+}
+
 Json json_of(const GateResult& gate) {
   Json json{{"metric", gate.metric}, {"op", gate.op}};
   set_if(json, "limit", gate.limit);
@@ -136,6 +142,7 @@ std::string quality_json(const QualityReport& report) {
   if (report.decimation) json["decimation"] = json_of(*report.decimation);
   if (report.surface) json["surface"] = json_of(*report.surface);
   if (report.volume) json["volume"] = json_of(*report.volume);
+  if (report.mechanics) json["mechanics"] = json_of(*report.mechanics);
   json["gates"] = Json::array();
   for (const GateResult& gate : report.gates) json["gates"].push_back(json_of(gate));
   return json.dump(1) + "\n";

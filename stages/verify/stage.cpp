@@ -10,6 +10,13 @@ std::vector<Choice<Preset>> choices_of(Preset) {
           {Preset::kFeStrict, "fe-strict", "What careful stress analysis needs."}};
 }
 
+std::vector<Choice<MechanicsCheck>> choices_of(MechanicsCheck) {
+  return {
+      {MechanicsCheck::kByPreset, "by_preset", "`basic` with `fe-standard` and `fe-strict`, else `none`."},
+      {MechanicsCheck::kNone, "none", "Not measured."},
+      {MechanicsCheck::kBasic, "basic", "Patch test, motions without energy, conditioning."}};
+}
+
 static void declare_params(ParamTable<GateLimits>& table) {
   table
       .param("limit", &GateLimits::limit, Quantity::kNumber, Range::any(),
@@ -23,7 +30,7 @@ namespace {
 class VerifyStage final : public StageOf<VerifyOptions> {
  public:
   void declare(Declaration<VerifyOptions>& d) const override {
-    d.stage("verify", 1, "Measures surface and volume mesh and judges them by quality gates.")
+    d.stage("verify", 2, "Measures surface and volume mesh and judges them by quality gates.")
         .optional_input<Isosurface>("isosurface", "What distances and volumes are compared with.")
         .optional_input<SimplexMesh>("simplex_mesh",
                                      "The decimated model, for its report and the distance asked.")
@@ -36,6 +43,8 @@ class VerifyStage final : public StageOf<VerifyOptions> {
                "Gates by metric path, such as `volume.min_dihedral_deg.min: {limit: 8, warn: 12}`; each "
                "replaces the "
                "preset's row, and `warn` alone makes it a warning.")
+        .param("mechanics", &VerifyOptions::mechanics, Quantity::kNone, Range::any(),
+               "Looks at the tetrahedral mesh as a solver would, with linear-elastic elements.")
         .param("distance_spacing", &VerifyOptions::distance_spacing, Quantity::kLength, Range::above(0),
                "Side of the pieces on which the mean distance to the isosurface is sampled; the largest "
                "distance is "
@@ -52,8 +61,12 @@ class VerifyStage final : public StageOf<VerifyOptions> {
     }
     const Forecast& isosurface = preflight.inputs["isosurface"];
     const Forecast& tets = preflight.inputs["tet_mesh"];
-    // Searches over both surfaces with their samples, and the faces of the tetrahedra.
-    preflight.peak_bytes = 400 * isosurface.triangles + 160 * tets.tets;
+    const MechanicsCheck check =
+        options.mechanics == MechanicsCheck::kByPreset ? mechanics_of(options.preset) : options.mechanics;
+    // Searches over both surfaces with their samples, and the faces of the tetrahedra or, at first order, the
+    // stiffness matrix. A matrix that outgrows the budget is left out.
+    preflight.peak_bytes =
+        400 * isosurface.triangles + (check == MechanicsCheck::kBasic ? 500 : 160) * tets.tets;
   }
 
   Outputs run(const VerifyOptions& options, const Inputs& inputs, Context& context) const override {

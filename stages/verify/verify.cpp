@@ -7,6 +7,7 @@
 
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/topology.h"
+#include "pipeline/mechanics/fitness.h"
 
 namespace periost {
 namespace {
@@ -25,6 +26,21 @@ void log_gates(const QualityReport& report, const Context& context) {
 }
 
 }  // namespace
+
+MechanicsCheck mechanics_of(Preset preset) {
+  struct Row {
+    Preset preset;
+    MechanicsCheck check;
+  };
+  constexpr Row kRows[] = {{Preset::kNone, MechanicsCheck::kNone},
+                           {Preset::kLenient, MechanicsCheck::kNone},
+                           {Preset::kFeStandard, MechanicsCheck::kBasic},
+                           {Preset::kFeStrict, MechanicsCheck::kBasic}};
+  for (const Row& row : kRows) {
+    if (row.preset == preset) return row.check;
+  }
+  return MechanicsCheck::kNone;
+}
 
 QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, Context& context) {
   QualityInputs measured;
@@ -45,6 +61,11 @@ QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, C
   MeasureOptions measure_options;
   measure_options.distance_spacing = options.distance_spacing;
   Measurement measurement = measure_quality(measured, measure_options, context);
+  const MechanicsCheck check =
+      options.mechanics == MechanicsCheck::kByPreset ? mechanics_of(options.preset) : options.mechanics;
+  if (check == MechanicsCheck::kBasic && inputs.tet_mesh != nullptr) {
+    measurement.report.mechanics = measure_fitness(*inputs.tet_mesh, context, measurement.worst);
+  }
   apply_gates(measurement.report, measurement.worst, options.preset, options.gates);
   log_gates(measurement.report, context);
   return std::move(measurement.report);

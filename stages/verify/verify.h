@@ -12,9 +12,17 @@
 
 namespace periost {
 
+// Whether the mesh is looked at as a solver would (pipeline/mechanics/fitness.h).
+enum class MechanicsCheck {
+  kByPreset,  // what the preset's row in the table of verify.cpp says
+  kNone,
+  kBasic,  // patch test, motions without energy, conditioning
+};
+
 struct VerifyOptions {
   Preset preset = Preset::kFeStandard;
-  GateOverrides gates;                           // by metric path; replaces the preset's row
+  GateOverrides gates;  // by metric path; replaces the preset's row
+  MechanicsCheck mechanics = MechanicsCheck::kByPreset;
   Length distance_spacing = Length::voxel(0.5);  // side of the pieces on which distances are sampled
 };
 
@@ -26,10 +34,14 @@ struct VerifyInputs {
   const TetMesh* tet_mesh = nullptr;
 };
 
-// Measures (geometry/measure_quality.h) and applies the gates. Logs a warning for each gate that warns or
-// fails, with metric, value, limit and the worst place in mm ("quality.warn", "quality.fail"), and one line
-// with the verdict. A tetrahedral mesh without a surface has its boundary measured as the surface.
-// Precondition: every path in `gates` is a metric. Deterministic for any number of threads.
+// What kByPreset stands for: kBasic with the presets for finite elements, else kNone.
+MechanicsCheck mechanics_of(Preset preset);
+
+// Measures (geometry/measure_quality.h, mechanics/fitness.h) and applies the gates. Logs a warning for each
+// gate that warns or fails, with metric, value, limit and the worst place in mm ("quality.warn",
+// "quality.fail"), and one line with the verdict. A tetrahedral mesh without a surface has its boundary
+// measured as the surface. Precondition: every path in `gates` is a metric. Deterministic for any number of
+// threads.
 QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, Context& context);
 
 }  // namespace periost

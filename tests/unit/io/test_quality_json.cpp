@@ -66,6 +66,13 @@ QualityReport full_report() {
     fill(*distribution);
   }
   v.boundary_preserved = true;
+  MechanicsQuality& m = report.mechanics.emplace();
+  m.patch_test_error = 1e-12 / 3;
+  m.rigid_modes = 14;
+  m.rigid_mode_error = next += 0.1;
+  m.condition_ratio = next += 0.1;
+  m.cg_iterations = 15;
+  m.cg_ratio = next += 0.1;
   return report;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/surfaces.h"
+#include "tests/support/tet_meshes.h"
 
 namespace periost {
 namespace {
@@ -71,6 +72,41 @@ TEST(Verify, ComponentsDroppedOnRequestAreNotMissed) {
   EXPECT_LT(whole.surface->distance->hausdorff, 1e-9);
   decimated.report.dropped_below = crumb.triangles.size();  // as large as asked: it should be there
   EXPECT_EQ(verify({&isosurface, &decimated, &ball, nullptr}, {}, context).verdict, Verdict::kFail);
+}
+
+TEST(Verify, MechanicsIsMeasuredWhereThePresetIsForFiniteElements) {
+  const TetMesh mesh = test::box_mesh({.cells = {3, 3, 3}, .shake = 0.1});
+  Context context;
+  const auto with = [&](Preset preset, MechanicsCheck check) {
+    VerifyOptions options;
+    options.preset = preset;
+    options.mechanics = check;
+    return verify({nullptr, nullptr, nullptr, &mesh}, options, context);
+  };
+  EXPECT_TRUE(with(Preset::kFeStandard, MechanicsCheck::kByPreset).mechanics);
+  EXPECT_TRUE(with(Preset::kFeStrict, MechanicsCheck::kByPreset).mechanics);
+  EXPECT_FALSE(with(Preset::kLenient, MechanicsCheck::kByPreset).mechanics);
+  EXPECT_FALSE(with(Preset::kNone, MechanicsCheck::kByPreset).mechanics);
+  EXPECT_FALSE(with(Preset::kFeStrict, MechanicsCheck::kNone).mechanics);
+  EXPECT_TRUE(with(Preset::kNone, MechanicsCheck::kBasic).mechanics);
+}
+
+TEST(Verify, ABodyInTwoPiecesFailsItsGate) {
+  TetMesh mesh = test::box_mesh({.cells = {2, 2, 2}});
+  const TetMesh other = test::box_mesh({.low = {0, 0, 0}, .cells = {2, 2, 2}});
+  const auto shift = static_cast<Index>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), other.points.begin(), other.points.end());
+  for (const auto& [a, b, c, d] : other.tets) {
+    mesh.tets.push_back({a + shift, b + shift, c + shift, d + shift});
+  }
+  mesh.boundary.clear();
+  Context context;
+  VerifyOptions options;
+  options.preset = Preset::kLenient;
+  options.mechanics = MechanicsCheck::kBasic;
+  EXPECT_EQ(verify({nullptr, nullptr, nullptr, &mesh}, options, context).verdict, Verdict::kFail);
+  options.gates["mechanics.rigid_modes"].limit = 12;
+  EXPECT_EQ(verify({nullptr, nullptr, nullptr, &mesh}, options, context).verdict, Verdict::kPass);
 }
 
 }  // namespace
