@@ -78,8 +78,9 @@ Vec3 seed_behind(const SurfaceMesh& surface, const Shell& wall, const Triangle& 
   return centre - outward * (0.5 * nearest);
 }
 
-Vec3 cavity_seed(const SurfaceMesh& surface, const Shell& wall) {
-  std::vector<Triangle> largest = wall.triangles;
+// A point inside shell `i` that is `depth` + 1 shells deep: next to the wall, and in none of what it holds.
+Vec3 seed_inside(const SurfaceMesh& surface, const std::vector<Shell>& shells, std::size_t i, int depth) {
+  std::vector<Triangle> largest = shells[i].triangles;
   const auto squared_area = [&surface](const Triangle& t) {
     return squared_norm(
         cross(surface.points[t[1]] - surface.points[t[0]], surface.points[t[2]] - surface.points[t[0]]));
@@ -87,12 +88,12 @@ Vec3 cavity_seed(const SurfaceMesh& surface, const Shell& wall) {
   const std::size_t tries = std::min<std::size_t>(largest.size(), 20);
   std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(tries), largest.end(),
                     [&](const Triangle& s, const Triangle& t) { return squared_area(s) > squared_area(t); });
-  for (std::size_t i = 0; i < tries; ++i) {
-    const Vec3 seed = seed_behind(surface, wall, largest[i]);
-    // In the cavity: behind its wall, and outside every body, so behind an even number of shells.
-    if (is_inside(surface, wall, seed) && !is_inside_by_parity(surface.points, surface.triangles, seed)) {
-      return seed;
-    }
+  for (std::size_t k = 0; k < tries; ++k) {
+    const Vec3 seed = seed_behind(surface, shells[i], largest[k]);
+    if (!is_inside(surface, shells[i], seed)) continue;
+    const auto around = std::count_if(shells.begin(), shells.end(),
+                                      [&](const Shell& shell) { return is_inside(surface, shell, seed); });
+    if (around == depth + 1) return seed;
   }
   throw Error(ErrorKind::kInternal, "tetgen.no_seed", "no point could be found inside a cavity",
               "fill the cavities of the mask with fill_holes");
@@ -105,7 +106,7 @@ std::size_t Bodies::body_count() const {
       std::count_if(depth.begin(), depth.end(), [](int d) { return d % 2 == 0; }));
 }
 
-Bodies find_bodies(const SurfaceMesh& surface, const Context& context) {
+Bodies find_bodies(const SurfaceMesh& surface, Cavities cavities, const Context& context) {
   Bodies bodies;
   bodies.shell_of_triangle = triangle_components(surface.triangles, surface.points.size());
   const std::vector<Shell> shells = gather(surface, bodies.shell_of_triangle);
@@ -125,14 +126,21 @@ Bodies find_bodies(const SurfaceMesh& surface, const Context& context) {
     bodies.turned_shells += (shells[i].volume6 > 0) == (bodies.depth[i] % 2 == 0) ? 0 : 1;
   }
   for (std::size_t i = 0; i < shells.size(); ++i) {
-    if (bodies.depth[i] % 2 == 0) continue;
+    const bool is_cavity = bodies.depth[i] % 2 == 1;
+    if (!is_cavity && cavities == Cavities::kEmpty) continue;
     context.check_cancelled();
+    const Vec3 seed = seed_inside(surface, shells, i, bodies.depth[i]);
+    if (cavities == Cavities::kFilled) {
+      bodies.region_seeds.push_back(seed);
+      if (is_cavity) bodies.number[i] = ++count;
+      continue;
+    }
+    bodies.cavity_seeds.push_back(seed);
     // The body around a cavity is the deepest shell around it.
     const auto owner =
         *std::max_element(around[i].begin(), around[i].end(),
                           [&](std::size_t a, std::size_t b) { return bodies.depth[a] < bodies.depth[b]; });
     bodies.number[i] = bodies.number[owner];
-    bodies.cavity_seeds.push_back(cavity_seed(surface, shells[i]));
   }
   return bodies;
 }

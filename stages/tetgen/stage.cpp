@@ -11,6 +11,11 @@ static std::vector<Choice<SizeFrame>> choices_of(SizeFrame) {
           {SizeFrame::kRas, "ras", "x to the right, y to anterior, z to superior, as in NIfTI."}};
 }
 
+static std::vector<Choice<Cavities>> choices_of(Cavities) {
+  return {{Cavities::kEmpty, "empty", "Cavities stay holes."},
+          {Cavities::kFilled, "filled", "Cavities are meshed, too, each as a region of its own."}};
+}
+
 static void declare_params(ParamTable<SizeBall>& table) {
   table.param("at", &SizeBall::at, Quantity::kLength, Range::required(), "Centre of the ball.")
       .param("radius", &SizeBall::radius, Quantity::kLength, Range::at_least(0),
@@ -55,6 +60,8 @@ class TetgenStage final : public StageOf<TetgenOptions> {
                "limit.")
         .param("sizes", &TetgenOptions::sizes, Quantity::kNone, Range::any(),
                "Largest edges by place: far from the surface, at it, around points, by an image.")
+        .param("cavities", &TetgenOptions::cavities, Quantity::kNone, Range::any(),
+               "What becomes of closed surfaces inside a body.")
         .param("preserve_surface", &TetgenOptions::preserve_surface, Quantity::kNone, Range::any(),
                "Keep every triangle of the surface; otherwise TetGen may add points on it.")
         .param("order", &TetgenOptions::order, Quantity::kCount, Range::between(1, 2),

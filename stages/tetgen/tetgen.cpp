@@ -153,6 +153,18 @@ std::vector<Triangle> sorted_triangles(std::vector<Triangle> triangles) {
   return triangles;
 }
 
+// The faces on the boundary, and those between two regions once.
+std::vector<Triangle> walls(const TetMesh& mesh, const std::vector<TetNeighbours>& neighbours) {
+  std::vector<Triangle> faces = mesh.boundary;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      const Index other = neighbours[t][static_cast<std::size_t>(k)];
+      if (other != kNoIndex && mesh.region[t] < mesh.region[other]) faces.push_back(face_of(mesh.tets[t], k));
+    }
+  }
+  return faces;
+}
+
 // Each body takes the number of the shell that its first surface point belongs to.
 std::vector<std::int32_t> regions(const TetMesh& mesh, const std::vector<TetNeighbours>& neighbours,
                                   const Centred& input, const Bodies& bodies) {
@@ -175,9 +187,11 @@ std::vector<std::int32_t> regions(const TetMesh& mesh, const std::vector<TetNeig
   return region;
 }
 
-void log_bodies(const Bodies& bodies, const Context& context) {
+void log_bodies(const Bodies& bodies, const TetgenOptions& options, const Context& context) {
+  const std::size_t cavities = bodies.depth.size() - bodies.body_count();
   context.info("tetgen.bodies",
-               fmt::format("{} bodies, {} cavities", bodies.body_count(), bodies.cavity_seeds.size()));
+               fmt::format("{} bodies, {} cavities{}", bodies.body_count(), cavities,
+                           cavities > 0 && options.cavities == Cavities::kFilled ? ", filled" : ""));
   if (bodies.turned_shells > 0) {
     context.warn("tetgen.turned_shells",
                  fmt::format("{} shells have normals that contradict how they are nested; nesting decides "
@@ -199,8 +213,8 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, const TetgenOptions& options,
   check_fillable(surface, context);
   const Centred input = centred(surface);
   // In the coordinates that TetGen gets, so that the seeds lie in the cavities as it sees them.
-  const Bodies bodies = find_bodies(input.surface, context);
-  log_bodies(bodies, context);
+  const Bodies bodies = find_bodies(input.surface, options.cavities, context);
+  log_bodies(bodies, options, context);
 
   WorkerRequest request;
   request.header.flags = options.preserve_surface ? periost_tetgen::kPreserveSurface : 0;
@@ -211,17 +225,24 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, const TetgenOptions& options,
   request.points = input.surface.points;
   request.triangles = input.surface.triangles;
   request.holes = bodies.cavity_seeds;
+  request.region_seeds = bodies.region_seeds;
   if (options.sizes.is_any()) request.sizes = asked_sizes(input, options, context);
 
   WorkerReply reply = mesh_with_attempts(request, options, context);
   log_reached(reply.points, reply.tets, input.surface.points.size(), options, request.sizes, context);
+  const std::vector<std::uint32_t> seed_of_tet = std::move(reply.seed_of_tet);
   TetMesh mesh = take_mesh(std::move(reply), input, surface);
   const std::vector<TetNeighbours> neighbours = tet_neighbours(mesh.tets, mesh.points.size());
   for (const BoundaryFace& face : boundary_faces(neighbours)) {
     mesh.boundary.push_back(face_of(mesh.tets[face.tet], face.opposite));
   }
-  mesh.boundary_preserved = sorted_triangles(mesh.boundary) == sorted_triangles(input.surface.triangles);
-  mesh.region = regions(mesh, neighbours, input, bodies);
+  if (seed_of_tet.empty()) {
+    mesh.region = regions(mesh, neighbours, input, bodies);
+  } else {
+    for (const std::uint32_t seed : seed_of_tet) mesh.region.push_back(bodies.number.at(seed));
+  }
+  mesh.boundary_preserved =
+      sorted_triangles(walls(mesh, neighbours)) == sorted_triangles(input.surface.triangles);
   if (options.order == 2) add_midside_nodes(mesh);
   log_result(mesh, std::chrono::duration<double>(Clock::now() - start).count(), context);
   return mesh;

@@ -11,6 +11,12 @@
 
 namespace periost {
 
+// What becomes of the hollow inside a body.
+enum class Cavities {
+  kEmpty,   // it stays a hole
+  kFilled,  // it is meshed as well, as a region of its own with its faces shared
+};
+
 // Which way x and y of a point run; z runs to superior in both.
 enum class SizeFrame { kLps, kRas };
 
@@ -42,8 +48,9 @@ struct TetgenOptions {
   Angle min_dihedral = Angle::deg(10);  // smallest dihedral angle that refinement aims at
   double max_volume = 0;                // largest tetrahedron, mm^3; 0: no limit
   SizeOptions sizes;                    // largest edges by place
-  bool preserve_surface = true;         // keep every triangle; else TetGen may split them
-  int order = 1;                        // 2: with mid-side nodes, on straight edges
+  Cavities cavities = Cavities::kEmpty;
+  bool preserve_surface = true;      // keep every triangle; else TetGen may split them
+  int order = 1;                     // 2: with mid-side nodes, on straight edges
   bool curved = false;               // order 2: the boundary's mid-side nodes on the isosurface (the stage's)
   double min_jacobian = 0.5;         // no element may fall below it by that: smallest J / largest |J|
   Angle optimise = Angle::deg(140);  // dihedral angles above it are worked on at the end; 0: not at all
@@ -57,8 +64,9 @@ struct TetgenOptions {
 //
 // The result: points of the surface first, in its order (those that no triangle uses left out), with the same
 // bits; tetrahedra of positive volume in VTK's order; `region` is the number of the separate body, from 1 in
-// the order of the bodies' first triangles; `boundary` outward; `boundary_preserved` as measured. It depends
-// on surface and options only. Units LPS mm.
+// the order of the bodies' first triangles, and behind these of each filled cavity likewise; `boundary`
+// outward; `boundary_preserved` as measured, on walls of filled cavities, too. It depends on surface and
+// options only. Units LPS mm.
 //
 // Errors, by kind and code:
 //   kQuality, or kInput if surface.was_read: surface.not_finite, surface.open, surface.not_manifold,

@@ -15,8 +15,6 @@
 
 #include "pipeline/base/error.h"
 
-extern char** environ;
-
 namespace periost {
 namespace {
 
@@ -143,6 +141,7 @@ std::string encode(const WorkerRequest& request) {
   header.points = request.points.size();
   header.triangles = request.triangles.size();
   header.holes = request.holes.size();
+  header.regions = request.region_seeds.size();
   for (std::size_t k = 0; k < 3; ++k) {
     header.size_origin[k] = request.sizes.origin[k];
     header.size_nodes[k] = request.sizes.nodes[k];
@@ -152,6 +151,7 @@ std::string encode(const WorkerRequest& request) {
   append(bytes, request.points);
   append(bytes, request.triangles);
   append(bytes, request.holes);
+  append(bytes, request.region_seeds);
   append(bytes, request.sizes.values);
   return bytes;
 }
@@ -170,8 +170,10 @@ bool decode(const std::string& bytes, WorkerReply& reply) {
   std::memcpy(&header, bytes.data(), sizeof header);
   const std::uint64_t left = bytes.size() - sizeof header;
   if (header.magic != periost_tetgen::kReplyMagic || header.points > left / sizeof(Vec3) ||
-      header.tets > left / sizeof(Tetrahedron) ||
-      header.message_bytes + header.points * sizeof(Vec3) + header.tets * sizeof(Tetrahedron) != left) {
+      header.tets > left / sizeof(Tetrahedron) || (header.regions != 0 && header.regions != header.tets) ||
+      header.message_bytes + header.points * sizeof(Vec3) + header.tets * sizeof(Tetrahedron) +
+              header.regions * sizeof(std::uint32_t) !=
+          left) {
     return false;
   }
   const char* from = bytes.data() + sizeof header;
@@ -180,6 +182,7 @@ bool decode(const std::string& bytes, WorkerReply& reply) {
   from += header.message_bytes;
   take(from, header.points, reply.points);
   take(from, header.tets, reply.tets);
+  take(from, header.regions, reply.seed_of_tet);
   for (const Tetrahedron& tet : reply.tets) {
     for (const Index corner : tet) {
       if (corner >= reply.points.size()) return false;

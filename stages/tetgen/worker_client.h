@@ -16,6 +16,7 @@ struct WorkerRequest {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<Vec3> holes;
+  std::vector<Vec3> region_seeds;  // a point in each region; none: regions are not told apart
   periost_tetgen::SizeGrid sizes;  // may be empty
 };
 
@@ -25,6 +26,7 @@ struct WorkerReply {
   bool has_crashed = false;  // ended by a signal that it raised itself, like an abort; status is kBug
   std::vector<Vec3> points;
   std::vector<Tetrahedron> tets;
+  std::vector<std::uint32_t> seed_of_tet;  // which of request.region_seeds lies in its region
 };
 
 // Starts the worker, waits for its reply and for its end; at `deadline`, on cancellation and on any error the

@@ -99,6 +99,7 @@ bool read_request(int descriptor, Request& request) {
          read_array(descriptor, header.points, 3, request.points) &&
          read_array(descriptor, header.triangles, 3, request.triangles) &&
          read_array(descriptor, header.holes, 3, request.holes) &&
+         read_array(descriptor, header.regions, 3, request.regions) &&
          read_sizes(descriptor, header, request.sizes);
 }
 
@@ -108,10 +109,12 @@ bool write_reply(int descriptor, const Reply& reply) {
   header.message_bytes = static_cast<std::uint32_t>(reply.message.size());
   header.points = reply.points.size() / 3;
   header.tets = reply.tets.size() / 4;
+  header.regions = reply.regions.size();
   return write_bytes(descriptor, &header, sizeof header) &&
          write_bytes(descriptor, reply.message.data(), reply.message.size()) &&
          write_bytes(descriptor, reply.points.data(), reply.points.size() * sizeof(double)) &&
-         write_bytes(descriptor, reply.tets.data(), reply.tets.size() * sizeof(std::uint32_t));
+         write_bytes(descriptor, reply.tets.data(), reply.tets.size() * sizeof(std::uint32_t)) &&
+         write_bytes(descriptor, reply.regions.data(), reply.regions.size() * sizeof(std::uint32_t));
 }
 
 std::string read_text_file(const std::string& path, Request& request) {

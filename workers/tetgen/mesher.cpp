@@ -41,6 +41,18 @@ constexpr Sentence kSentences[] = {
     {Status::kUnknown, "TetGen stopped for an unknown reason"},
 };
 
+// TetGen takes five numbers a region: the seed, the attribute of its tetrahedra, and a largest volume.
+void fill_regions(tetgenio& in, const std::vector<double>& seeds) {
+  in.numberofregions = static_cast<int>(seeds.size() / 3);
+  in.regionlist = new REAL[seeds.size() / 3 * 5];
+  REAL* next = in.regionlist;
+  for (std::size_t i = 0; i < seeds.size(); i += 3) {
+    for (const REAL value : {seeds[i], seeds[i + 1], seeds[i + 2], static_cast<REAL>(i / 3 + 1), REAL{-1}}) {
+      *next++ = value;
+    }
+  }
+}
+
 void fill(tetgenio& in, const Request& request) {
   in.firstnumber = 0;
   in.numberofpoints = static_cast<int>(request.points.size() / 3);
@@ -57,20 +69,25 @@ void fill(tetgenio& in, const Request& request) {
     polygon.numberofvertices = 3;
     polygon.vertexlist = new int[3];
     for (int k = 0; k < 3; ++k) {
-      polygon.vertexlist[k] = static_cast<int>(request.triangles[static_cast<std::size_t>(3 * f + k)]);
+      polygon.vertexlist[k] =
+          static_cast<int>(request.triangles[3 * static_cast<std::size_t>(f) + static_cast<std::size_t>(k)]);
     }
   }
-  if (request.holes.empty()) return;
-  in.numberofholes = static_cast<int>(request.holes.size() / 3);
-  in.holelist = new REAL[request.holes.size()];
-  std::copy(request.holes.begin(), request.holes.end(), in.holelist);
+  if (!request.holes.empty()) {
+    in.numberofholes = static_cast<int>(request.holes.size() / 3);
+    in.holelist = new REAL[request.holes.size()];
+    std::copy(request.holes.begin(), request.holes.end(), in.holelist);
+  }
+  if (!request.regions.empty()) fill_regions(in, request.regions);
 }
 
 // Six times the signed volume, positive in VTK's order.
 double volume6(const std::vector<double>& points, const std::uint32_t* t) {
+  constexpr std::size_t kThree = 3;
   double edge[3][3];
   for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) edge[i][k] = points[3 * t[i + 1] + k] - points[3 * t[0] + k];
+    for (std::size_t k = 0; k < 3; ++k)
+      edge[i][k] = points[kThree * t[i + 1] + k] - points[kThree * t[0] + k];
   }
   return edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1]) +
          edge[0][1] * (edge[1][2] * edge[2][0] - edge[1][0] * edge[2][2]) +
@@ -85,7 +102,7 @@ void turn_to_positive(Reply& reply) {
   for (std::size_t t = 0; t < reply.tets.size(); t += 4) std::swap(reply.tets[t], reply.tets[t + 1]);
 }
 
-Reply take(const tetgenio& out) {
+Reply take(const tetgenio& out, bool has_regions) {
   Reply reply;
   reply.status = out.numberoftetrahedra > 0 ? Status::kDone : Status::kNothing;
   reply.points.assign(out.pointlist, out.pointlist + 3 * static_cast<std::ptrdiff_t>(out.numberofpoints));
@@ -95,6 +112,12 @@ Reply take(const tetgenio& out) {
     for (int k = 0; k < 4; ++k) reply.tets.push_back(static_cast<std::uint32_t>(corner[k]));
   }
   turn_to_positive(reply);
+  for (int t = 0; has_regions && t < out.numberoftetrahedra; ++t) {
+    const REAL attribute =
+        out.tetrahedronattributelist[static_cast<std::ptrdiff_t>(t) * out.numberoftetrahedronattributes];
+    // A region without a seed, which no request of ours has, counts as the first.
+    reply.regions.push_back(attribute >= 1 ? static_cast<std::uint32_t>(attribute) - 1 : 0);
+  }
   return reply;
 }
 
@@ -138,7 +161,7 @@ Reply run(const Request& request) {
     tetgenbehavior behaviour;
     if (!behaviour.parse_commandline(text.data())) return failed(Status::kBadRequest);
     tetrahedralize(&behaviour, in, out);
-    return take(*out);
+    return take(*out, !request.regions.empty() && out->numberoftetrahedronattributes > 0);
   } catch (int reason) {
     const bool is_known = (reason >= 1 && reason <= 5) || reason == 10;
     return failed(is_known ? static_cast<Status>(reason) : Status::kUnknown);
@@ -167,6 +190,9 @@ std::string fault_of(const Request& request) {
   for (const double value : request.holes) {
     if (!std::isfinite(value)) return "a hole's seed is not a finite number";
   }
+  for (const double value : request.regions) {
+    if (!std::isfinite(value)) return "a region's seed is not a finite number";
+  }
   for (const float size : request.sizes.values) {
     if (!std::isfinite(size) || size <= 0) return "a size is not a finite number above 0";
   }
@@ -194,6 +220,7 @@ std::string switches(const RequestHeader& header) {
     std::snprintf(text, sizeof text, "T%.10g", header.tolerance);
     all += text;
   }
+  if (header.regions > 0) all += "A";
   return all + "JQ";
 }
 

@@ -92,6 +92,27 @@ TEST(Tetrahedralize, BodyInACavityOfABodyAndOneBeside) {
   }
 }
 
+TEST(Tetrahedralize, FilledCavitiesAreRegionsThatShareTheirWalls) {
+  const SurfaceMesh outer = sphere_surface({100, 0, 0}, 10, 3),
+                    cavity = inverted(sphere_surface({100, 0, 0}, 8, 3));
+  const SurfaceMesh inner = sphere_surface({101, 0, 0}, 5, 2),
+                    core = inverted(sphere_surface({101, 0, 0}, 2, 2));
+  const SurfaceMesh beside = sphere_surface({130, 0, 0}, 4, 2);
+  const SurfaceMesh surface = joined(joined(joined(joined(beside, cavity), outer), core), inner);
+  TetgenOptions options;
+  options.cavities = Cavities::kFilled;
+  const TetMesh mesh = tetrahedralize(surface, options, worker_context());
+  // The three bodies as above, then the two cavities in the order of their walls.
+  const double volumes[] = {enclosed_volume(beside), enclosed_volume(outer) + enclosed_volume(cavity),
+                            enclosed_volume(inner) + enclosed_volume(core),
+                            -enclosed_volume(cavity) - enclosed_volume(inner), -enclosed_volume(core)};
+  for (std::int32_t region = 1; region <= 5; ++region) {
+    EXPECT_NEAR(volume_of(mesh, region), volumes[region - 1], 1e-9 * volumes[region - 1]) << region;
+  }
+  EXPECT_TRUE(mesh.boundary_preserved) << "walls inside count, too";
+  EXPECT_EQ(mesh.boundary.size(), outer.triangles.size() + beside.triangles.size());
+}
+
 TEST(Tetrahedralize, NestingDecidesWhateverTheNormalsSay) {
   const SurfaceMesh outer = sphere_surface({0, 0, 0}, 10, 2), cavity = sphere_surface({0, 0, 0}, 8, 2);
   const TetMesh mesh = tetrahedralize(joined(outer, cavity), {}, worker_context());
