@@ -11,6 +11,7 @@
 
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/measure_volume.h"
+#include "pipeline/geometry/tet_faces.h"
 #include "pipeline/geometry/tet_quality.h"
 #include "stages/improve/boundary_slide.h"
 #include "stages/improve/tet_cavity.h"
@@ -201,11 +202,24 @@ TetMesh collect(const TetComplex& complex, const TetMesh& mesh) {
   return result;
 }
 
+// Faces on the boundary and between two regions.
+std::size_t wall_count(const TetMesh& mesh) {
+  const std::vector<TetNeighbours> neighbours = tet_neighbours(mesh.tets, mesh.points.size());
+  std::size_t between = 0;
+  for (std::size_t t = 0; t < mesh.region.size(); ++t) {
+    for (const Index other : neighbours[t]) {
+      if (other != kNoIndex && mesh.region[t] < mesh.region[other]) ++between;
+    }
+  }
+  return mesh.boundary.size() + between;
+}
+
 // The surface that the mesh was made from, with its points where they are now: the mesher keeps its used
-// points first and in order. Nothing where the boundary is not that surface.
+// points first and in order. Nothing where the boundary, with the walls of filled cavities, is not that
+// surface.
 std::optional<SurfaceMesh> moved_surface(const SurfaceMesh& surface, const TetMesh& before,
                                          const TetMesh& after) {
-  if (!before.boundary_preserved || surface.triangles.size() != before.boundary.size()) return std::nullopt;
+  if (!before.boundary_preserved || surface.triangles.size() != wall_count(before)) return std::nullopt;
   std::vector<std::uint8_t> is_used(surface.points.size(), 0);
   for (const Triangle& triangle : surface.triangles) {
     for (const Index corner : triangle) is_used[corner] = 1;

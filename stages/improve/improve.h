@@ -50,14 +50,14 @@ struct ImproveResult {
 // keeps to one region, and faces between regions stay as they are. A second-order mesh is improved by its
 // corners and gets new mid-side nodes on straight edges. Fields are dropped: their elements exist no more.
 //
-// Surface: `inputs.surface` with its moved points where the mesh's boundary is that surface, triangle by
-// triangle; else the boundary of the mesh. With kFixed nothing of it moves, to the last bit. With kSlide, for
-// every triangle that changes: its normal turns by at most 20 degrees in all; its angles stay at 25 degrees
-// or as they were; it meets no other triangle (exactly); all of it lies within the tolerance of the
-// reference, and all of the reference that was within the tolerance of it still is within that of the
-// surface. The last two are bounds on whole triangles, not samples. Points between regions do not slide.
-// Without a tolerance (neither given nor known from a decimator) the boundary stays fixed, and the log says
-// so.
+// Surface: `inputs.surface` with its moved points where the mesh's boundary, with the faces between its
+// regions, is that surface, triangle by triangle; else the boundary of the mesh. With kFixed nothing of it
+// moves, to the last bit. With kSlide, for every triangle that changes: its normal turns by at most 20
+// degrees in all; its angles stay at 25 degrees or as they were; it meets no other triangle (exactly); all of
+// it lies within the tolerance of the reference, and all of the reference that was within the tolerance of it
+// still is within that of the surface. The last two are bounds on whole triangles, not samples. Points
+// between regions do not slide. Without a tolerance (neither given nor known from a decimator) the boundary
+// stays fixed, and the log says so.
 //
 // A function of its arguments alone, the same bits for any number of threads (one is used). Linear in
 // practice: some 10 microseconds a tetrahedron that TetGen leaves, and up to two milliseconds a point that

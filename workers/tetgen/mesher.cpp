@@ -47,7 +47,8 @@ void fill_regions(tetgenio& in, const std::vector<double>& seeds) {
   in.regionlist = new REAL[seeds.size() / 3 * 5];
   REAL* next = in.regionlist;
   for (std::size_t i = 0; i < seeds.size(); i += 3) {
-    for (const REAL value : {seeds[i], seeds[i + 1], seeds[i + 2], static_cast<REAL>(i / 3 + 1), REAL{-1}}) {
+    const std::size_t number = i / 3 + 1;
+    for (const REAL value : {seeds[i], seeds[i + 1], seeds[i + 2], static_cast<REAL>(number), REAL{-1}}) {
       *next++ = value;
     }
   }

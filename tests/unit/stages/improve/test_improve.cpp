@@ -8,6 +8,7 @@
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/surface_distance.h"
+#include "pipeline/geometry/tet_faces.h"
 #include "pipeline/geometry/topology.h"
 #include "stages/improve/improve.h"
 #include "stages/tetgen/tetgen.h"
@@ -113,6 +114,27 @@ TEST(Improve, SlidingKeepsTheSurfaceWithinItsLimits) {
   for (std::size_t p = 0; p < result.surface.points.size(); ++p) {
     ASSERT_EQ(result.surface.points[p], result.mesh.points[p]) << "the mesh has the same surface";
   }
+}
+
+TEST(Improve, TheWallOfAFilledCavityStaysInTheSurface) {
+  const SurfaceMesh surface = shell();
+  TetgenOptions tetgen;
+  tetgen.cavities = Cavities::kFilled;
+  const TetMesh mesh = tetrahedralize(surface, tetgen, test::worker_context());
+  ASSERT_EQ(*std::max_element(mesh.region.begin(), mesh.region.end()), 2);
+  const ImproveResult result = improve(mesh, {nullptr, nullptr, &surface}, fixed(), {});
+  EXPECT_EQ(result.surface.triangles, surface.triangles);
+  EXPECT_EQ(result.surface.points, surface.points);
+  EXPECT_GE(dihedrals(result.mesh).least, dihedrals(mesh).least);
+  const auto volume_of_cavity = [](const TetMesh& m) {
+    double sum = 0;
+    for (std::size_t t = 0; t < m.tets.size(); ++t) {
+      const auto& [a, b, c, d] = m.tets[t];
+      if (m.region[t] == 2) sum += six_volumes(m.points[a], m.points[b], m.points[c], m.points[d]);
+    }
+    return sum;
+  };
+  EXPECT_NEAR(volume_of_cavity(result.mesh), volume_of_cavity(mesh), 1e-9 * volume_of_cavity(mesh));
 }
 
 TEST(Improve, SameBitsForAnyNumberOfThreads) {
