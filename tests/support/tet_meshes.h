@@ -1,5 +1,6 @@
 #pragma once
 // Small tetrahedral meshes made at run time.
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -70,6 +71,13 @@ inline void bend(TetMesh& mesh, double amount) {
       mesh.points[p][axis] += amount * (2 * random.uniform() - 1);
     }
   }
+}
+
+// A box of 6 x 5 x 7 uneven cells, its points inside shaken, its edges bent by up to `bend_mm`.
+inline TetMesh badly_shaped_box(int order, double bend_mm = 0, double shake = 0.3) {
+  TetMesh mesh = box_mesh({.cell = {1, 0.7, 1.4}, .cells = {6, 5, 7}, .shake = shake, .order = order});
+  if (bend_mm > 0) bend(mesh, bend_mm);
+  return mesh;
 }
 
 }  // namespace periost::test

@@ -14,20 +14,12 @@
 namespace periost {
 namespace {
 
-constexpr Material kBone{17000, 0.3};
-
-TetMesh shaken(int order, double bend_mm = 0, double shake = 0.3) {
-  TetMesh mesh = test::box_mesh({.cell = {1, 0.7, 1.4}, .cells = {6, 5, 7}, .shake = shake, .order = order});
-  if (bend_mm > 0) test::bend(mesh, bend_mm);
-  return mesh;
-}
-
 RigidModes modes_of(const TetMesh& mesh) {
-  return rigid_modes(mesh, assemble_stiffness(mesh, kBone, {}), {});
+  return rigid_modes(mesh, assemble_stiffness(mesh, Material{}, {}), {});
 }
 
 double patch_error_of(const TetMesh& mesh) {
-  return patch_test(mesh, assemble_stiffness(mesh, kBone, {}), {}).error;
+  return patch_test(mesh, assemble_stiffness(mesh, Material{}, {}), {}).error;
 }
 
 // Two boxes of 2 x 2 x 2 cells; the second stands on the far corner, edge or face of the first, or apart.
@@ -50,15 +42,16 @@ TetMesh two_boxes(Vec3 shift, int order) {
 }
 
 TEST(PatchTest, HoldsForBadlyShapedElementsFarFromTheOrigin) {
-  for (const TetMesh& mesh : {shaken(1), shaken(2), shaken(2, 0.02)}) {
-    const PatchTest result = patch_test(mesh, assemble_stiffness(mesh, kBone, {}), {});
+  for (const TetMesh& mesh :
+       {test::badly_shaped_box(1), test::badly_shaped_box(2), test::badly_shaped_box(2, 0.02)}) {
+    const PatchTest result = patch_test(mesh, assemble_stiffness(mesh, Material{}, {}), {});
     EXPECT_LE(result.error, 1e-9);
     EXPECT_GT(result.free_nodes, 100U);
   }
 }
 
 TEST(PatchTest, FailsWhereNeighboursDoNotFit) {
-  TetMesh mesh = shaken(2);
+  TetMesh mesh = test::badly_shaped_box(2);
   const std::vector<bool> is_on_boundary = boundary_nodes(mesh);
   const std::size_t tet = mesh.tets.size() / 2;
   const auto inner = std::find_if(mesh.midside[tet].begin(), mesh.midside[tet].end(),
@@ -67,13 +60,14 @@ TEST(PatchTest, FailsWhereNeighboursDoNotFit) {
   mesh.points.push_back(mesh.points[*inner]);
   *inner = static_cast<Index>(mesh.points.size() - 1);
   EXPECT_GT(patch_error_of(mesh), 1e-3) << "a gap";
-  mesh = shaken(2);
+  mesh = test::badly_shaped_box(2);
   std::swap(mesh.midside[tet][0], mesh.midside[tet][5]);
   EXPECT_GT(patch_error_of(mesh), 1e-3) << "two mid-side nodes exchanged";
 }
 
 TEST(RigidModes, SixForABodyInOnePiece) {
-  for (const TetMesh& mesh : {shaken(1), shaken(2), shaken(2, 0.02)}) {
+  for (const TetMesh& mesh :
+       {test::badly_shaped_box(1), test::badly_shaped_box(2), test::badly_shaped_box(2, 0.02)}) {
     const RigidModes modes = modes_of(mesh);
     EXPECT_EQ(modes.count, 6U);
     EXPECT_LE(modes.error, 1e-12);
@@ -93,7 +87,7 @@ TEST(RigidModes, ConnectivityAloneAgreesWithTheMatrix) {
   for (const Vec3 shift : {Vec3{5, 0, 0}, Vec3{2, 2, 2}, Vec3{2, 2, 0}, Vec3{2, 0, 0}}) {
     const TetMesh mesh = two_boxes(shift, 2);
     EXPECT_EQ(rigid_modes_by_connectivity(mesh),
-              count_eigenvalues_below(assemble_stiffness(mesh, kBone, {}), 1e-11));
+              count_eigenvalues_below(assemble_stiffness(mesh, Material{}, {}), 1e-11));
   }
 }
 
@@ -126,8 +120,8 @@ TEST(Conditioning, SizeAndUnitDoNotMatter) {
   std::vector<double> iterations;
   for (const Index cells : {6U, 9U, 14U}) {
     const TetMesh mesh = ideal_mesh(cells, cells * 1e-3, 1);
-    Stiffness stiffness = assemble_stiffness(mesh, kBone, {});
-    iterations.push_back(static_cast<double>(iterations_on_bed(mesh, kBone, stiffness, {})));
+    Stiffness stiffness = assemble_stiffness(mesh, Material{}, {});
+    iterations.push_back(static_cast<double>(iterations_on_bed(mesh, Material{}, stiffness, {})));
   }
   EXPECT_NEAR(iterations[1] / iterations[0], 1, 0.03);
   EXPECT_NEAR(iterations[2] / iterations[1], 1, 0.03);
@@ -135,8 +129,8 @@ TEST(Conditioning, SizeAndUnitDoNotMatter) {
 
 TEST(Conditioning, ASliverRaisesIt) {
   WorstElements worst;
-  const auto mild = measure_fitness(shaken(1, 0, 0), {}, worst);
-  TetMesh mesh = shaken(1, 0, 0);
+  const auto mild = measure_fitness(test::badly_shaped_box(1, 0, 0), {}, worst);
+  TetMesh mesh = test::badly_shaped_box(1, 0, 0);
   const Index inner = 3 + 7 * (2 + 6 * 3);
   mesh.points[inner] += Vec3{0.95, 0, 0};  // nearly onto its neighbour
   const auto bad = measure_fitness(mesh, {}, worst);
@@ -150,7 +144,7 @@ TEST(Conditioning, ASliverRaisesIt) {
 }
 
 TEST(Fitness, HasTheSameBitsForAnyNumberOfThreads) {
-  const TetMesh mesh = shaken(2, 0.02);
+  const TetMesh mesh = test::badly_shaped_box(2, 0.02);
   Context context;
   WorstElements worst;
   const auto one = measure_fitness(mesh, context, worst);
@@ -171,11 +165,11 @@ TEST(Fitness, SaysWhyThereIsNoneToMeasure) {
   context.sink = [&](const Event& event) { codes.push_back(event.code); };
   WorstElements worst;
   EXPECT_FALSE(measure_fitness({}, context, worst));
-  TetMesh mesh = shaken(1);
+  TetMesh mesh = test::badly_shaped_box(1);
   std::swap(mesh.tets[7][0], mesh.tets[7][1]);
   EXPECT_FALSE(measure_fitness(mesh, context, worst));
   context.memory_bytes = 100000;
-  EXPECT_FALSE(measure_fitness(shaken(1), context, worst));
+  EXPECT_FALSE(measure_fitness(test::badly_shaped_box(1), context, worst));
   EXPECT_EQ(codes, (std::vector<std::string>{"mechanics.folded", "mechanics.too_large"}));
 }
 

@@ -12,18 +12,13 @@ namespace {
 
 constexpr Material kBone{17000, 0.3};
 
-TetMesh shaken(int order, double bend_mm = 0) {
-  TetMesh mesh = test::box_mesh({.cell = {1, 0.7, 1.4}, .cells = {5, 4, 6}, .shake = 0.3, .order = order});
-  if (bend_mm > 0) test::bend(mesh, bend_mm);
-  return mesh;
-}
-
 bool lies_at(double value, double place) {
   return std::abs(value - place) < 1e-9;
 }
 
 TEST(Stiffness, IsSymmetricToTheLastBit) {
-  for (const TetMesh& mesh : {shaken(1), shaken(2), shaken(2, 0.02)}) {
+  for (const TetMesh& mesh :
+       {test::badly_shaped_box(1), test::badly_shaped_box(2), test::badly_shaped_box(2, 0.02)}) {
     const Stiffness k = assemble_stiffness(mesh, kBone, {});
     for (std::size_t row = 0; row < k.nodes(); ++row) {
       for (std::size_t b = k.first[row]; b < k.first[row + 1]; ++b) {
@@ -35,7 +30,7 @@ TEST(Stiffness, IsSymmetricToTheLastBit) {
 }
 
 TEST(Stiffness, HasTheSameBitsForAnyNumberOfThreads) {
-  const TetMesh mesh = shaken(2, 0.02);
+  const TetMesh mesh = test::badly_shaped_box(2, 0.02);
   Context context;
   const Stiffness one = assemble_stiffness(mesh, kBone, context);
   for (const int threads : {2, 4}) {
@@ -106,7 +101,7 @@ TEST(Solver, ACantileverOfSecondOrder) {
 }
 
 TEST(Solver, BothAgreeAndThreadsDoNotMatter) {
-  const TetMesh mesh = shaken(2, 0.02);
+  const TetMesh mesh = test::badly_shaped_box(2, 0.02);
   const Stiffness stiffness = assemble_stiffness(mesh, kBone, {});
   LoadCase some;
   for (Index n = 0; n < 12; ++n) some.supports.push_back({n, static_cast<int>(n % 3), 0.001 * n});
@@ -130,7 +125,7 @@ TEST(Solver, BothAgreeAndThreadsDoNotMatter) {
 }
 
 TEST(Solver, AFreeBodyIsRefused) {
-  const Stiffness stiffness = assemble_stiffness(shaken(1), kBone, {});
+  const Stiffness stiffness = assemble_stiffness(test::badly_shaped_box(1), kBone, {});
   LoadCase pinned;  // it can still turn
   for (int axis = 0; axis < 3; ++axis) pinned.supports.push_back({0, axis, 0});
   pinned.loads = {{40, {1, 2, 3}}};
@@ -145,7 +140,7 @@ TEST(Solver, AFreeBodyIsRefused) {
 }
 
 TEST(Solver, PointsWithoutTetrahedraStayOutOfIt) {
-  TetMesh mesh = shaken(1);
+  TetMesh mesh = test::badly_shaped_box(1);
   mesh.points.insert(mesh.points.begin(), Vec3{0, 0, 0});
   for (Tetrahedron& tet : mesh.tets) {
     for (Index& corner : tet) ++corner;
@@ -163,7 +158,8 @@ TEST(Solver, PointsWithoutTetrahedraStayOutOfIt) {
 }
 
 TEST(Solver, AFreeBodyHasSixMotionsWithoutEnergy) {
-  for (const TetMesh& mesh : {shaken(1), shaken(2), shaken(2, 0.02)}) {
+  for (const TetMesh& mesh :
+       {test::badly_shaped_box(1), test::badly_shaped_box(2), test::badly_shaped_box(2, 0.02)}) {
     EXPECT_EQ(count_eigenvalues_below(assemble_stiffness(mesh, kBone, {}), 1e-10), 6U);
   }
 }
