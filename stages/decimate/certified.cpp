@@ -23,13 +23,16 @@
 namespace periost {
 namespace {
 
-constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
-constexpr double kNoticedStep = 0.1;   // tolerances
-constexpr int kSheetSide = 4;          // voxels
-constexpr int kStages = 6;             // removal stages by cost
-constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
-constexpr double kWorthwhile = 0.004;  // part of the triangles that a final round must remove to go on
-constexpr double kAim = 1.45;          // times the least angle: what mending aims at between removals
+constexpr double kRounding = 1e-4;    // part of the tolerance kept for rounding
+constexpr double kNoticedStep = 0.1;  // tolerances
+constexpr int kSheetSide = 4;         // voxels
+constexpr int kStages = 6;            // removal stages by cost
+constexpr int kFinalRounds = 12;      // removals of any cost, each with mending, after the last stage
+constexpr double kWorthwhile = 0.01;  // part of the triangles that a final round must remove to go on
+constexpr double kAim = 1.3;          // times the least angle: what mending aims at between removals
+constexpr int kStepsAtOnce = 2;       // of the law of motion, before the checks are asked
+constexpr int kFits = 3;
+constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
 constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
 constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
@@ -132,6 +135,31 @@ GuardLimits limits_of(const DecimateOptions& options) {
   return limits;
 }
 
+// The volume under the surface, whose value without a border is what it encloses, and its area; mm.
+struct Extents {
+  double volume = 0, area = 0;
+};
+Extents extents_of(const CertifiedState& state) {
+  const Vec3 origin = state.reference.points[0];
+  Extents sum;
+  for (Index t = 0; t < state.mesh.triangles.size(); ++t) {
+    if (!state.mesh.triangles[t].is_alive()) continue;
+    const auto c = corners_now(state.mesh, t);
+    const Vec3 normal = cross(c[1] - c[0], c[2] - c[0]);
+    sum.volume += dot(c[0] - origin, normal) / 6;
+    sum.area += norm(normal) / 2;
+  }
+  return sum;
+}
+
+// Whether all contours stay where they are, so that volumes under the surface can be compared.
+bool has_locked_border(const CertifiedMesh& mesh) {
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (mesh.incident[v] != kNoIndex && mesh.is_on_contour(v) && !mesh.is_locked[v]) return false;
+  }
+  return true;
+}
+
 // The schedule: which passes, in what order, over which regions.
 class Schedule {
  public:
@@ -139,7 +167,9 @@ class Schedule {
       : state_(state),
         options_(options),
         context_(context),
-        progress_(context, "decimating", kStages + kFinalRounds + 3) {}
+        progress_(context, "decimating", kStages + kFinalRounds + 3),
+        is_border_locked_(has_locked_border(state.mesh)),
+        volume_(extents_of(state).volume) {}
 
   void run(Extent extent) {
     remove_by_cost();
@@ -179,23 +209,43 @@ class Schedule {
     sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
       angle_pass(state, worker, vertices, worker.limits.min_angle);
       contour_pass(state, worker, vertices, worker.limits.min_angle);
-      fit_pass(state, worker, vertices);
     });
+    fit();
     sweep(0, swap_pass);
     mend_slivers();
     end_step("angles");
   }
 
-  // The steps of the law of motion, each within what is proved.
+  // The steps of the law of motion, a few at a time, within what is proved.
   void deform() {
     Motion motion;
-    for (int step = 0; step < options_.iterations; ++step) {
-      const auto places = deformed_places(state_, options_, motion, context_);
+    for (int left = options_.iterations; left > 0; left -= kStepsAtOnce) {
+      const int steps = std::min(left, kStepsAtOnce);
+      const auto places = deformed_places(state_, options_, steps, motion, context_);
       sweep(kTopologySlack, [&places](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         deformation_pass(state, worker, vertices, places);
       });
     }
     end_step("deformation");
+  }
+
+  // Until the surface encloses what it did at first, or nearly.
+  void fit() {
+    double mean = lost_height();
+    for (int round = 0; round < kFits; ++round) {
+      sweep(kTopologySlack, [mean](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        fit_pass(state, worker, vertices, mean);
+      });
+      mean = lost_height();
+      if (std::abs(mean) < kLeastMean * state_.tolerance) break;
+    }
+  }
+
+  // By how much the surface lies too low on average, mm; 0 when that cannot be told.
+  double lost_height() const {
+    if (!is_border_locked_) return 0;
+    const Extents now = extents_of(state_);
+    return now.area > 0 ? (volume_ - now.volume) / now.area : 0;
   }
 
   // What moves can mend is mended in regions. Few triangles are left to insertions, so then all of space is
@@ -228,7 +278,6 @@ class Schedule {
     if (worker.quota == 0) return;  // as few triangles as asked: no room is needed for more removals
     swap_pass(state, worker, vertices);
     relocation_pass(state, worker, vertices);
-    fit_pass(state, worker, vertices);
     angle_pass(state, worker, vertices, kAim * worker.limits.min_angle);
     contour_pass(state, worker, vertices, kAim * worker.limits.min_angle);
   }
@@ -291,6 +340,8 @@ class Schedule {
   const DecimateOptions& options_;
   const Context& context_;
   Progress progress_;
+  bool is_border_locked_;
+  double volume_;  // enclosed at first, mm3
   unsigned turn_ = 0;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Worker>> idle_;

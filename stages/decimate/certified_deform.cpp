@@ -1,6 +1,7 @@
 #include "stages/decimate/certified_deform.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/simplex_geometry.h"
@@ -104,10 +105,9 @@ Vec3 force_on(const CertifiedState& state, const DecimateOptions& options, const
   return (sample.centroid - p.foot) * 0.5 + p.normal * (0.5 * rise + pull);
 }
 
-}  // namespace
-
-std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options, Motion& motion,
-                                  const Context& context) {
+// One step from where the vertices are.
+std::vector<Vec3> next_places(const CertifiedState& state, const DecimateOptions& options, Motion& motion,
+                              const Context& context) {
   const CertifiedMesh& mesh = state.mesh;
   const Living living = living_triangles_of(mesh);
   const std::size_t count = living.triangle.size();
@@ -145,6 +145,22 @@ std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOpt
   });
   motion.previous = mesh.points;
   return places;
+}
+
+}  // namespace
+
+std::vector<Vec3> deformed_places(CertifiedState& state, const DecimateOptions& options, int steps,
+                                  Motion& motion, const Context& context) {
+  const std::vector<Vec3> here = state.mesh.points;
+  for (std::size_t v = 0; v < motion.previous.size(); ++v) {
+    motion.previous[v] = here[v] + (motion.previous[v] - here[v]) / motion.steps;
+  }
+  motion.steps = steps;
+  for (int step = 0; step < steps; ++step) {
+    state.mesh.points = next_places(state, options, motion, context);
+  }
+  motion.previous = here;
+  return std::exchange(state.mesh.points, here);
 }
 
 void deformation_pass(CertifiedState& state, Worker& worker, const std::vector<Index>& vertices,

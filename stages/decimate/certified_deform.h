@@ -10,18 +10,19 @@
 
 namespace periost {
 
-// What one step leaves to the next; empty before the first.
+// What some steps leave to the next; empty before the first.
 struct Motion {
-  std::vector<Vec3> previous;  // of dual vertices: the places before the last step, for the inertia
+  std::vector<Vec3> previous;  // of dual vertices: the places before the last steps, for the inertia
+  int steps = 1;               // how many steps those were
   std::vector<Index>
       near;  // of triangles: the isosurface triangle whose plane pulls, found in the first step
 };
 
-// Where one step of the law of motion would take each dual vertex, from where all of them are now; mm. Dead
-// ones keep their place. Reads the whole mesh and changes nothing but `motion`. Precondition: since the first
-// step vertices have moved only. Deterministic for any number of threads. O(triangles * |Q^s|).
-std::vector<Vec3> deformed_places(const CertifiedState& state, const DecimateOptions& options, Motion& motion,
-                                  const Context& context);
+// Where some steps of the law of motion would take each dual vertex, from where all of them are now; mm. Dead
+// ones keep their place. `state` is left as it was. Precondition: since the first step vertices have moved
+// only. Deterministic for any number of threads. O(steps * triangles * |Q^s|).
+std::vector<Vec3> deformed_places(CertifiedState& state, const DecimateOptions& options, int steps,
+                                  Motion& motion, const Context& context);
 
 // Moves the vertices to their places, or half the way; those that the checks refuse stay.
 void deformation_pass(CertifiedState& state, Worker& worker, const std::vector<Index>& vertices,

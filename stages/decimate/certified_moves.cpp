@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangential regularisation, in turn
 constexpr double kLengthWeight = 1e-3;                       // of the squared length in the cost
+// Where an angle is only aimed for, smaller gains than this are not worth a check, radians.
+constexpr double kWorthwhileGain = 0.03;
 // Steps along the normal, in tolerances and away from the rim, that are tried where a place is too far from
 // the isosurface or leaves it too far away: the triangles of a bent part lie on one side of it, so its
 // vertices belong on the other.
@@ -184,6 +186,7 @@ bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index v
 }
 
 double least_angle_gain(const GuardLimits& limits) {
+  if (limits.floor_angle > 0) return kWorthwhileGain;
   return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
 }
 

@@ -10,11 +10,12 @@ namespace {
 
 constexpr std::size_t kQueueSize = 300;  // living vertices of one queue: what they read stays in the cache
 constexpr double kRelocationStrength = 1.0;
-constexpr double kEnergyFall = 0.98;  // a relocation must lower its energy to this part
-constexpr int kSwapRounds = 4;        // around one removal
+constexpr double kLeastRelocation = 0.1;  // tolerances: smaller ones are not worth a check
+constexpr int kSwapRounds = 4;            // around one removal
 // D beyond which an edge near a removal is swapped: at once, or while later removals are likely to mend it.
 constexpr int kMostDifference = 2, kMostDifferenceEarly = 4;
-constexpr double kLeastFit = 0.02;  // tolerances: smaller mean heights are left
+constexpr double kFit = 0.5;        // of the mean height: all of it would overshoot
+constexpr double kLeastFit = 0.01;  // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
 // Tell what was tried in a neighbourhood: by sliver_pass without insertions, and with them.
@@ -299,21 +300,32 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   return insert_around(state, worker, t);
 }
 
-// Mean signed height of the isosurface over the triangles of a star, weighed by area; mm.
-double mean_height(const CertifiedState& state, const Star& star) {
-  double sum = 0, weight = 0;
+// Mean signed height of the isosurface over the triangles of a star, mm, weighed by its area seen along their
+// normals: zero means that as much volume lies above the star as below.
+double star_height(const CertifiedState& state, const Star& star) {
+  double volume = 0, shadow = 0;
   for (const Index t : star.triangle) {
-    const auto& c = state.mesh.triangles[t].corner;
-    const Vec3 a = state.mesh.points[c[0]];
-    const Vec3 n = normalized(cross(state.mesh.points[c[1]] - a, state.mesh.points[c[2]] - a));
+    const auto c = corners_now(state.mesh, t);
+    const Vec3 n = normalized(cross(c[1] - c[0], c[2] - c[0]));
     state.proofs.for_homed(t, [&](Index s) {
       const auto p = state.reference.corners(s);
-      const double area = norm(cross(p[1] - p[0], p[2] - p[0]));
-      sum += area * dot((p[0] + p[1] + p[2]) / 3 - a, n);
-      weight += area;
+      const double area = dot(cross(p[1] - p[0], p[2] - p[0]), n);
+      volume += area * dot((p[0] + p[1] + p[2]) / 3 - c[0], n);
+      shadow += area;
     });
   }
-  return weight > 0 ? sum / weight : 0;
+  return shadow > 0 ? volume / shadow : 0;
+}
+
+// Along the surface where the quadric and the neighbours want a vertex; along the normal towards as much of
+// the isosurface on one side as on the other.
+Vec3 fair_place(const CertifiedState& state, Index v, const Star& star) {
+  const Vec3 origin = state.reference.points[0], here = state.mesh.points[v];
+  const Vec3 normal = star_normal(state.mesh, star, v);
+  const Vec3 middle = link_centroid(state.mesh, star) - origin;
+  const Vec3 place = origin + best_place(state.quadrics[v], middle, normal, kRelocationStrength);
+  if (state.reverse_tolerance <= 0) return place;  // what lies over the star is not known
+  return place + normal * (kFit * star_height(state, star) - dot(place - here, normal));
 }
 
 }  // namespace
@@ -366,33 +378,25 @@ void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices
 }
 
 void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
-  const Vec3 origin = state.reference.points[0];
+  const double least = kLeastRelocation * state.tolerance;
   for_free_vertices(state.mesh, vertices, [&](Index v, const Star& star) {
     const std::uint32_t signature = signature_of(state.mesh, v, star);
     if (state.settled[v] == signature) return;
-    const Vec3 normal = star_normal(state.mesh, star, v);
-    const Vec3 middle = link_centroid(state.mesh, star) - origin;
-    const Quadric& quadric = state.quadrics[v];
-    const Vec3 place = best_place(quadric, middle, normal, kRelocationStrength);
-    const auto energy = [&](Vec3 x) {
-      const Vec3 d = x - middle;
-      return std::max(0.0, quadric.at(x)) +
-             kRelocationStrength * quadric.trace() * (squared_norm(d) - dot(d, normal) * dot(d, normal));
-    };
-    if (energy(place) >= kEnergyFall * energy(state.mesh.points[v] - origin) ||
-        !try_relocation(state, worker, v, origin + place, false)) {
+    const Vec3 place = fair_place(state, v, star);
+    if (squared_norm(place - state.mesh.points[v]) < least * least ||
+        !try_relocation(state, worker, v, place, false)) {
       state.settled[v] = signature;
     }
   });
 }
 
-void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double mean) {
   if (state.reverse_tolerance <= 0) return;
   for_free_vertices(state.mesh, vertices, [&](Index v, const Star& star) {
-    const double height = mean_height(state, star);
-    if (std::abs(height) <= kLeastFit * state.tolerance) return;
+    const double step = mean + kFit * (star_height(state, star) - mean);
+    if (std::abs(step) <= kLeastFit * state.tolerance) return;
     const Vec3 normal = star_normal(state.mesh, star, v);
-    try_relocation(state, worker, v, state.mesh.points[v] + normal * (0.5 * height), false);
+    try_relocation(state, worker, v, state.mesh.points[v] + normal * step, false);
   });
 }
 

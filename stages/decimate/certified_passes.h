@@ -20,12 +20,14 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
 // Swaps edges with D > 2.
 void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices);
 
-// Moves vertices towards the minimum of their own quadric and the middle of their neighbours.
+// Moves vertices along the surface, towards the minimum of their own quadric and the middle of their
+// neighbours, and along the normal as fit_pass does. Both at once: apart they would undo one another.
 void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices);
 
-// Moves vertices along the normal by half the mean signed height of the isosurface over their triangles, so
-// that the enclosed volume is kept. Does nothing without the reverse certificate, whose homes it reads.
-void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices);
+// Moves vertices along the normal by `mean`, the mean signed height of the isosurface over the whole surface,
+// and by half of what the mean height over their own triangles differs from it, so that the enclosed volume
+// is kept. Does nothing without the reverse certificate, whose homes it reads.
+void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double mean);
 
 // Mends triangles with an angle under `aim` (radians) by swaps, removals and moves that make the sum of
 // deficits to it fall. An aim above the limit makes room for further removals.
