@@ -6,8 +6,8 @@
 #include <array>
 #include <cstring>
 
-#include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
+#include "pipeline/io/mesh_builder.h"
 #include "pipeline/io/text_scanner.h"
 
 namespace periost {
@@ -71,7 +71,7 @@ class PlyReader {
 
  private:
   [[noreturn]] void fail(const char* code, const std::string& what) const {
-    throw Error(ErrorKind::kInput, code, fmt::format("'{}': {}", path_.string(), what));
+    refuse_mesh(code, fmt::format("'{}'", path_.string()), what);
   }
   const NumberType* type_of(std::string_view name) const {
     for (const NumberType& type : kTypes) {

@@ -49,7 +49,7 @@ class Table {
   }
   // How many lines follow; every line takes at least two bytes.
   std::uint64_t count() {
-    const auto value = number<std::uint64_t>("the number of lines that follow");
+    const auto value = number<std::uint64_t>("the number of lines");
     if (value > scanner_.bytes_left() / 2) {
       refuse_mesh("mesh.truncated", place(),
                   fmt::format("{} {}s are more than the file can hold", value, item_),
