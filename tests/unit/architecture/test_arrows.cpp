@@ -48,9 +48,6 @@ std::map<std::string, Arrows> table_of_arrows() {
     for (std::string cell; std::getline(stream, cell, '|');) cells.push_back(cell);
     table[trimmed(cells.at(0))] = {names_in(cells.at(1)), names_in(cells.at(2))};
   }
-  // Arrows that the page has no row for.
-  table.try_emplace("pipeline/mechanics", Arrows{{"base", "data", "geometry"}, {"Eigen", "fmt"}});
-  for (const char* row : {"stages/*/algorithm", "stages/*/stage.cpp"}) table[row].folders.insert("mechanics");
   return table;
 }
 
