@@ -70,7 +70,7 @@ struct VolumeQuality {
 // The mesh as a solver meets it (pipeline/mechanics/fitness.h).
 struct MechanicsQuality {
   double patch_test_error = 0;
-  std::uint64_t rigid_modes = 0;
+  std::uint64_t rigid_modes = 0;  // less six for each further body
   double rigid_mode_error = 0;
   double condition_ratio = 0;
   std::uint64_t cg_iterations = 0;

@@ -209,8 +209,8 @@ void add_mechanics(std::vector<Metric>& t) {
                "Largest error of the nodes inside for a linear displacement of the boundary, to the "
                "largest displacement.",
                in_mechanics(&M::patch_test_error)});
-  t.push_back({"mechanics.rigid_modes", "",
-               "==", "Motions of the free body without energy: 6 when it is in one piece without hinges.",
+  t.push_back({"mechanics.rigid_modes", "", "==",
+               "Motions of a free body without energy, less 6 for each further body: 6 when all are whole.",
                in_mechanics(&M::rigid_modes)});
   t.push_back({"mechanics.rigid_mode_error", "", "<=",
                "Largest force at a node by a rigid motion, to what its row of the stiffness could hold.",

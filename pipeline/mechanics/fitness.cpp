@@ -56,7 +56,8 @@ std::optional<MechanicsQuality> measure_fitness(const TetMesh& mesh, const Conte
 
   MechanicsQuality quality;
   quality.patch_test_error = patch.error;
-  quality.rigid_modes = modes.count;
+  // Bodies apart are supported apart: only what more than one rigid motion each allows is a fault.
+  quality.rigid_modes = modes.count + 6 - 6 * modes.bodies;
   quality.rigid_mode_error = modes.error;
   const auto& ratios = condition.eigenvalue_ratio;
   quality.condition_ratio = *std::max_element(ratios.begin(), ratios.end());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/geometry/disjoint_sets.h"
 #include "pipeline/geometry/tet_faces.h"
 #include "pipeline/mechanics/solver.h"
 
@@ -74,6 +75,15 @@ std::vector<Joint> joints_of(const TetMesh& mesh, const std::vector<std::uint32_
   return joints;
 }
 
+// What is left as bodies when all that share a node count as one.
+std::size_t joined_bodies(const std::vector<Joint>& joints, std::size_t parts) {
+  DisjointSets sets(parts);
+  for (const Joint& joint : joints) sets.unite(joint.first, joint.second);
+  std::size_t bodies = 0;
+  for (Index part = 0; part < parts; ++part) bodies += sets.find(part) == part ? 1 : 0;
+  return bodies;
+}
+
 // Motions of all bodies, six unknowns each, that agree wherever two share a node: the kernel of J^T J, with
 // three rows of J for each joint.
 std::size_t motions_that_agree(const TetMesh& mesh, const std::vector<Joint>& joints, std::size_t bodies) {
@@ -101,18 +111,19 @@ std::size_t motions_that_agree(const TetMesh& mesh, const std::vector<Joint>& jo
 
 }  // namespace
 
-std::size_t rigid_modes_by_connectivity(const TetMesh& mesh) {
-  if (mesh.tets.empty()) return 0;
+RigidModes rigid_modes_by_connectivity(const TetMesh& mesh) {
+  if (mesh.tets.empty()) return {};
   const auto body = tet_components(tet_neighbours(mesh.tets, mesh.points.size()));
-  const std::size_t bodies = std::size_t{1} + *std::max_element(body.begin(), body.end());
-  if (bodies == 1 || bodies > kMostBodies) return 6 * bodies;
-  const std::vector<Joint> joints = joints_of(mesh, body);
-  return joints.empty() ? 6 * bodies : motions_that_agree(mesh, joints, bodies);
+  const std::size_t parts = std::size_t{1} + *std::max_element(body.begin(), body.end());
+  const std::vector<Joint> joints = parts == 1 ? std::vector<Joint>{} : joints_of(mesh, body);
+  RigidModes modes;
+  modes.count = joints.empty() || parts > kMostBodies ? 6 * parts : motions_that_agree(mesh, joints, parts);
+  modes.bodies = joined_bodies(joints, parts);
+  return modes;
 }
 
 RigidModes rigid_modes(const TetMesh& mesh, const Stiffness& stiffness, const Context& context) {
-  RigidModes modes;
-  modes.count = rigid_modes_by_connectivity(mesh);
+  RigidModes modes = rigid_modes_by_connectivity(mesh);
   const std::size_t unknowns = 3 * stiffness.nodes();
   if (unknowns <= kLargestFactorised) {
     modes.count = std::max(modes.count, count_eigenvalues_below(stiffness, kNoEnergy));

@@ -11,8 +11,9 @@
 namespace periost {
 
 struct RigidModes {
-  std::size_t count = 0;  // motions without energy
-  double error = 0;       // largest |K r| at a node, to its row sum of |K| times the largest |r|; r: the six
+  std::size_t count = 0;   // motions without energy
+  std::size_t bodies = 0;  // that share no node
+  double error = 0;        // largest |K r| at a node, to its row sum of |K| times the largest |r|; r: the six
 };
 
 // `count` is the larger of two numbers. By connectivity: tetrahedra joined across faces move as one rigid
@@ -22,7 +23,7 @@ struct RigidModes {
 // motion of K at all and is taken off. Precondition: `stiffness` is that of `mesh`.
 RigidModes rigid_modes(const TetMesh& mesh, const Stiffness& stiffness, const Context& context);
 
-// The first of the two numbers alone.
-std::size_t rigid_modes_by_connectivity(const TetMesh& mesh);
+// Only what connectivity tells: `count` is the first of the two numbers, `error` 0.
+RigidModes rigid_modes_by_connectivity(const TetMesh& mesh);
 
 }  // namespace periost

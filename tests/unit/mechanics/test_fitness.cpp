@@ -83,10 +83,18 @@ TEST(RigidModes, PiecesAndHingesAreCounted) {
   }
 }
 
+TEST(RigidModes, BodiesThatShareNoNodeAreToldFromHinges) {
+  EXPECT_EQ(modes_of(two_boxes({5, 0, 0}, 1)).bodies, 2U);
+  EXPECT_EQ(modes_of(two_boxes({2, 2, 2}, 1)).bodies, 1U);
+  WorstElements worst;
+  EXPECT_EQ(measure_fitness(two_boxes({5, 0, 0}, 1), {}, worst)->rigid_modes, 6U) << "each is whole";
+  EXPECT_EQ(measure_fitness(two_boxes({2, 2, 0}, 1), {}, worst)->rigid_modes, 7U) << "a hinge";
+}
+
 TEST(RigidModes, ConnectivityAloneAgreesWithTheMatrix) {
   for (const Vec3 shift : {Vec3{5, 0, 0}, Vec3{2, 2, 2}, Vec3{2, 2, 0}, Vec3{2, 0, 0}}) {
     const TetMesh mesh = two_boxes(shift, 2);
-    EXPECT_EQ(rigid_modes_by_connectivity(mesh),
+    EXPECT_EQ(rigid_modes_by_connectivity(mesh).count,
               count_eigenvalues_below(assemble_stiffness(mesh, Material{}, {}), 1e-11));
   }
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/surfaces.h"
 #include "tests/support/tet_meshes.h"
 
@@ -91,22 +93,36 @@ TEST(Verify, MechanicsIsMeasuredWhereThePresetIsForFiniteElements) {
   EXPECT_TRUE(with(Preset::kNone, MechanicsCheck::kBasic).mechanics);
 }
 
-TEST(Verify, ABodyInTwoPiecesFailsItsGate) {
-  TetMesh mesh = test::box_mesh({.cells = {2, 2, 2}});
-  const TetMesh other = test::box_mesh({.low = {0, 0, 0}, .cells = {2, 2, 2}});
-  const auto shift = static_cast<Index>(mesh.points.size());
-  mesh.points.insert(mesh.points.end(), other.points.begin(), other.points.end());
+// A box of two cells a side with its far corner at the origin, and another whose near corner is there.
+TetMesh two_boxes(Vec3 apart) {
+  const test::BoxMeshOptions first{.low = {-2, -2, -2}, .cell = {1, 1, 1}, .cells = {2, 2, 2}};
+  TetMesh mesh = test::box_mesh(first);
+  const TetMesh other = test::box_mesh({.low = apart, .cell = {1, 1, 1}, .cells = {2, 2, 2}});
+  std::vector<Index> number;
+  for (const Vec3 p : other.points) {
+    const auto same = std::find(mesh.points.begin(), mesh.points.end(), p);
+    number.push_back(static_cast<Index>(same - mesh.points.begin()));
+    if (same == mesh.points.end()) mesh.points.push_back(p);
+  }
   for (const auto& [a, b, c, d] : other.tets) {
-    mesh.tets.push_back({a + shift, b + shift, c + shift, d + shift});
+    mesh.tets.push_back({number[a], number[b], number[c], number[d]});
   }
   mesh.boundary.clear();
+  return mesh;
+}
+
+TEST(Verify, ABodyWithAHingeFailsItsGateAndTwoBodiesDoNot) {
   Context context;
   VerifyOptions options;
-  options.preset = Preset::kLenient;
+  options.preset = Preset::kNone;
   options.mechanics = MechanicsCheck::kBasic;
-  EXPECT_EQ(verify({nullptr, nullptr, nullptr, &mesh}, options, context).verdict, Verdict::kFail);
-  options.gates["mechanics.rigid_modes"].limit = 12;
-  EXPECT_EQ(verify({nullptr, nullptr, nullptr, &mesh}, options, context).verdict, Verdict::kPass);
+  options.gates["mechanics.rigid_modes"].limit = 6;
+  const auto verdict_of = [&](Vec3 apart) {
+    const TetMesh mesh = two_boxes(apart);
+    return verify({nullptr, nullptr, nullptr, &mesh}, options, context).verdict;
+  };
+  EXPECT_EQ(verdict_of({0, 0, 0}), Verdict::kFail) << "a corner is shared";
+  EXPECT_EQ(verdict_of({3, 0, 0}), Verdict::kPass);
 }
 
 }  // namespace
