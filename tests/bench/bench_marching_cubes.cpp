@@ -1,4 +1,5 @@
-// Marching cubes with its voxel structure, threshold and queries, beside vtkFlyingEdges3D, on one thread.
+// Marching cubes with its voxel structure, threshold and queries, beside vtkFlyingEdges3D; on one thread and
+// on two.
 #include <benchmark/benchmark.h>
 #include <oneapi/tbb/global_control.h>
 #include <vtkFlyingEdges3D.h>
@@ -54,15 +55,18 @@ void marching_cubes_stage(benchmark::State& state) {
   const Image& image = femur_image(static_cast<std::int32_t>(state.range(0)));
   const Mask mask = threshold(image, {.lower = kThreshold}, {});
   std::size_t triangles = 0;
-  for (auto _ : state) triangles = marching_cubes(&image, mask, {}, Context()).surface.triangles.size();
+  Context context;
+  context.threads = static_cast<int>(state.range(1));
+  for (auto _ : state) triangles = marching_cubes(&image, mask, {}, context).surface.triangles.size();
   report(state, image.values.size(), triangles);
 }
-BENCHMARK(marching_cubes_stage)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(marching_cubes_stage)->Args({256, 1})->Args({256, 2})->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void vtk_flying_edges(benchmark::State& state) {
   const Image& image = femur_image(static_cast<std::int32_t>(state.range(0)));
   const auto& [nx, ny, nz] = image.frame.dims;
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(state.range(1)));
   vtkNew<vtkImageImport> import;
   import->SetImportVoidPointer(const_cast<float*>(image.values.data()));
   import->SetDataScalarTypeToFloat();
@@ -82,7 +86,7 @@ void vtk_flying_edges(benchmark::State& state) {
   }
   report(state, image.values.size(), triangles);
 }
-BENCHMARK(vtk_flying_edges)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(vtk_flying_edges)->Args({256, 1})->Args({256, 2})->Unit(benchmark::kMillisecond)->UseRealTime();
 
 // Points half a voxel around the surface, in the order of the surface, as decimation asks.
 void query(benchmark::State& state, bool along_line) {
