@@ -81,17 +81,10 @@ TetsOfNode tets_of_nodes(const TetMesh& mesh) {
   return around;
 }
 
-double jacobian_ratio(const TetMesh& mesh, Index t) {
-  Tet10Nodes nodes;
-  for (std::size_t i = 0; i < 4; ++i) nodes[i] = mesh.points[mesh.tets[t][i]];
-  for (std::size_t i = 0; i < 6; ++i) nodes[4 + i] = mesh.points[mesh.midside[t][i]];
-  return tet10_jacobian_ratio(nodes);
-}
-
 bool all_keep(const TetMesh& mesh, const TetsOfNode& around, Index node, double limit) {
   return std::all_of(around.tets.begin() + static_cast<std::ptrdiff_t>(around.first[node]),
                      around.tets.begin() + static_cast<std::ptrdiff_t>(around.first[node + 1]),
-                     [&](Index t) { return jacobian_ratio(mesh, t) >= limit; });
+                     [&](Index t) { return tet10_jacobian_ratio(tet10_nodes(mesh, t)) >= limit; });
 }
 
 }  // namespace

@@ -16,18 +16,6 @@ namespace {
 
 constexpr std::size_t kTetsPerTask = 8192;
 
-TetCorners corners_of(const TetMesh& mesh, std::size_t t) {
-  const auto& [a, b, c, d] = mesh.tets[t];
-  return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
-}
-
-Tet10Nodes nodes_of(const TetMesh& mesh, std::size_t t) {
-  Tet10Nodes nodes;
-  for (std::size_t i = 0; i < 4; ++i) nodes[i] = mesh.points[mesh.tets[t][i]];
-  for (std::size_t i = 0; i < 6; ++i) nodes[4 + i] = mesh.points[mesh.midside[t][i]];
-  return nodes;
-}
-
 // Says which part of the mesh a tetrahedron belongs to, for the worst elements.
 class Describer {
  public:
@@ -38,7 +26,7 @@ class Describer {
     }
   }
   Vec3 centre(std::size_t t) const {
-    const TetCorners c = corners_of(mesh_, t);
+    const TetCorners c = tet_corners(mesh_, t);
     return (c[0] + c[1] + c[2] + c[3]) / 4;
   }
   std::vector<WorstElement> take(Extremes& extremes) const {
@@ -109,7 +97,7 @@ void count_inverted(const TetMesh& mesh, const std::vector<double>& volumes, con
   Extremes extremes(Extremes::Side::kLowest);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     double least = volumes[t];
-    if (mesh.order() == 2) least = std::min(least, tet10_min_corner_jacobian(nodes_of(mesh, t)) / 6);
+    if (mesh.order() == 2) least = std::min(least, tet10_min_corner_jacobian(tet10_nodes(mesh, t)) / 6);
     if (least > 0) continue;
     ++quality.inverted;
     extremes.add(t, least, describer.centre(t));
@@ -129,19 +117,19 @@ VolumeQuality measure_volume(const TetMesh& mesh, const Context& context, WorstE
   const Describer describer(mesh, mesh.boundary.empty() ? faces.boundary : mesh.boundary);
 
   const std::vector<double> volumes =
-      per_tet(mesh, context, [&](std::size_t t) { return tet_volume(corners_of(mesh, t)); });
+      per_tet(mesh, context, [&](std::size_t t) { return tet_volume(tet_corners(mesh, t)); });
   for (const double volume : volumes) quality.volume_mm3 += volume;
   count_inverted(mesh, volumes, describer, quality, worst);
   measure_size_ratios(faces.interior, volumes, describer, quality, worst);
   for (const Row& row : kRows) {
     std::vector<double> values =
-        per_tet(mesh, context, [&](std::size_t t) { return row.metric(corners_of(mesh, t)); });
+        per_tet(mesh, context, [&](std::size_t t) { return row.metric(tet_corners(mesh, t)); });
     worst[row.path] = worst_tets(values, row.bad, describer);
     quality.*row.member = distribution_of(std::move(values));
   }
   if (mesh.order() == 2) {
     std::vector<double> values =
-        per_tet(mesh, context, [&](std::size_t t) { return tet10_jacobian_ratio(nodes_of(mesh, t)); });
+        per_tet(mesh, context, [&](std::size_t t) { return tet10_jacobian_ratio(tet10_nodes(mesh, t)); });
     worst["volume.jacobian_ratio"] = worst_tets(values, Extremes::Side::kLowest, describer);
     quality.jacobian_ratio = distribution_of(std::move(values));
   }

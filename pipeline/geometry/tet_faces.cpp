@@ -107,6 +107,18 @@ std::vector<BoundaryFace> boundary_faces(const std::vector<TetNeighbours>& neigh
   return faces;
 }
 
+std::vector<Triangle> faces_between_regions(const TetMesh& mesh,
+                                            const std::vector<TetNeighbours>& neighbours) {
+  std::vector<Triangle> faces;
+  for (std::size_t t = 0; t < mesh.region.size(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      const Index other = neighbours[t][static_cast<std::size_t>(k)];
+      if (other != kNoIndex && mesh.region[t] < mesh.region[other]) faces.push_back(face_of(mesh.tets[t], k));
+    }
+  }
+  return faces;
+}
+
 std::vector<std::uint32_t> tet_components(const std::vector<TetNeighbours>& neighbours) {
   std::vector<std::uint32_t> component(neighbours.size(), kNoIndex);
   std::vector<Index> open;

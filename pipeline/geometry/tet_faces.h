@@ -36,6 +36,11 @@ struct BoundaryFace {
 // By tetrahedron, then by corner.
 std::vector<BoundaryFace> boundary_faces(const std::vector<TetNeighbours>& neighbours);
 
+// The faces between two regions, each once, outward from the region with the smaller number. Precondition:
+// `neighbours` are the mesh's.
+std::vector<Triangle> faces_between_regions(const TetMesh& mesh,
+                                            const std::vector<TetNeighbours>& neighbours);
+
 // Per tetrahedron, the number of its body, from 0 in the order of the bodies' first tetrahedra; bodies are
 // joined across faces.
 std::vector<std::uint32_t> tet_components(const std::vector<TetNeighbours>& neighbours);

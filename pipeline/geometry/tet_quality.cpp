@@ -63,6 +63,18 @@ std::array<std::array<double, 4>, 14> jacobian_points() {
 
 }  // namespace
 
+TetCorners tet_corners(const TetMesh& mesh, std::size_t t) {
+  const auto& [a, b, c, d] = mesh.tets[t];
+  return {mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]};
+}
+
+Tet10Nodes tet10_nodes(const TetMesh& mesh, std::size_t t) {
+  Tet10Nodes nodes;
+  for (std::size_t i = 0; i < 4; ++i) nodes[i] = mesh.points[mesh.tets[t][i]];
+  for (std::size_t i = 0; i < 6; ++i) nodes[4 + i] = mesh.points[mesh.midside[t][i]];
+  return nodes;
+}
+
 double tet_volume(const TetCorners& t) {
   return dot(t[1] - t[0], cross(t[2] - t[0], t[3] - t[0])) / 6;
 }

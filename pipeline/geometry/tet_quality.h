@@ -5,6 +5,7 @@
 // renumbering, and a degenerate tetrahedron gets the worst value of the range.
 #include <array>
 
+#include "pipeline/data/tet_mesh.h"
 #include "pipeline/data/vec.h"
 
 namespace periost {
@@ -12,6 +13,10 @@ namespace periost {
 using TetCorners = std::array<Vec3, 4>;
 // Corners, then mid-side nodes on edges 01, 12, 20, 03, 13, 23.
 using Tet10Nodes = std::array<Vec3, 10>;
+
+// Of tetrahedron t of a mesh; the nodes of one of second order.
+TetCorners tet_corners(const TetMesh& mesh, std::size_t t);
+Tet10Nodes tet10_nodes(const TetMesh& mesh, std::size_t t);
 
 // (b - a) . ((c - a) x (d - a)) / 6, in mm^3; negative when inverted.
 double tet_volume(const TetCorners& t);

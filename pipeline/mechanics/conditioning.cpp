@@ -6,6 +6,7 @@
 #include "pipeline/base/parallel.h"
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/tet_faces.h"
+#include "pipeline/geometry/tet_quality.h"
 #include "pipeline/mechanics/solver.h"
 
 namespace periost {
@@ -30,14 +31,9 @@ double largest_eigenvalue(const ElementShape& shape, const LameConstants& lame) 
   return Solver(matrix, Eigen::EigenvaluesOnly).eigenvalues()[Unknowns - 1];
 }
 
-double tet_volume_of(const TetMesh& mesh, std::size_t t) {
-  const auto& [a, b, c, d] = mesh.tets[t];
-  return six_volumes(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 6;
-}
-
 double mean_tet_volume(const TetMesh& mesh) {
   double sum = 0;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) sum += tet_volume_of(mesh, t);
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) sum += tet_volume(tet_corners(mesh, t));
   return sum / static_cast<double>(mesh.tets.size());
 }
 
@@ -120,7 +116,7 @@ std::size_t iterations_on_bed(const TetMesh& mesh, const Material& material, Sti
                               const Context& context) {
   const std::size_t per_tet = nodes_per_tet(mesh);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    const double size = std::cbrt(6 * tet_volume_of(mesh, t));
+    const double size = std::cbrt(6 * tet_volume(tet_corners(mesh, t)));
     const double spring =
         material.young_mpa * size / (6 * kBedLength * kBedLength * static_cast<double>(per_tet));
     for (std::size_t k = 0; k < per_tet; ++k) {

@@ -204,14 +204,8 @@ TetMesh collect(const TetComplex& complex, const TetMesh& mesh) {
 
 // Faces on the boundary and between two regions.
 std::size_t wall_count(const TetMesh& mesh) {
-  const std::vector<TetNeighbours> neighbours = tet_neighbours(mesh.tets, mesh.points.size());
-  std::size_t between = 0;
-  for (std::size_t t = 0; t < mesh.region.size(); ++t) {
-    for (const Index other : neighbours[t]) {
-      if (other != kNoIndex && mesh.region[t] < mesh.region[other]) ++between;
-    }
-  }
-  return mesh.boundary.size() + between;
+  return mesh.boundary.size() +
+         faces_between_regions(mesh, tet_neighbours(mesh.tets, mesh.points.size())).size();
 }
 
 // The surface that the mesh was made from, with its points where they are now: the mesher keeps its used

@@ -153,15 +153,10 @@ std::vector<Triangle> sorted_triangles(std::vector<Triangle> triangles) {
   return triangles;
 }
 
-// The faces on the boundary, and those between two regions once.
+// The faces on the boundary and between regions.
 std::vector<Triangle> walls(const TetMesh& mesh, const std::vector<TetNeighbours>& neighbours) {
-  std::vector<Triangle> faces = mesh.boundary;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (int k = 0; k < 4; ++k) {
-      const Index other = neighbours[t][static_cast<std::size_t>(k)];
-      if (other != kNoIndex && mesh.region[t] < mesh.region[other]) faces.push_back(face_of(mesh.tets[t], k));
-    }
-  }
+  std::vector<Triangle> faces = faces_between_regions(mesh, neighbours);
+  faces.insert(faces.end(), mesh.boundary.begin(), mesh.boundary.end());
   return faces;
 }
 

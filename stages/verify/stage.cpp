@@ -61,12 +61,10 @@ class VerifyStage final : public StageOf<VerifyOptions> {
     }
     const Forecast& isosurface = preflight.inputs["isosurface"];
     const Forecast& tets = preflight.inputs["tet_mesh"];
-    const MechanicsCheck check =
-        options.mechanics == MechanicsCheck::kByPreset ? mechanics_of(options.preset) : options.mechanics;
     // Searches over both surfaces with their samples, and the faces of the tetrahedra or, at first order, the
     // stiffness matrix. A matrix that outgrows the budget is left out.
-    preflight.peak_bytes =
-        400 * isosurface.triangles + (check == MechanicsCheck::kBasic ? 500 : 160) * tets.tets;
+    preflight.peak_bytes = 400 * isosurface.triangles +
+                           (mechanics_of(options) == MechanicsCheck::kBasic ? 500 : 160) * tets.tets;
   }
 
   Outputs run(const VerifyOptions& options, const Inputs& inputs, Context& context) const override {

@@ -27,7 +27,8 @@ void log_gates(const QualityReport& report, const Context& context) {
 
 }  // namespace
 
-MechanicsCheck mechanics_of(Preset preset) {
+MechanicsCheck mechanics_of(const VerifyOptions& options) {
+  if (options.mechanics != MechanicsCheck::kByPreset) return options.mechanics;
   struct Row {
     Preset preset;
     MechanicsCheck check;
@@ -37,7 +38,7 @@ MechanicsCheck mechanics_of(Preset preset) {
                            {Preset::kFeStandard, MechanicsCheck::kBasic},
                            {Preset::kFeStrict, MechanicsCheck::kBasic}};
   for (const Row& row : kRows) {
-    if (row.preset == preset) return row.check;
+    if (row.preset == options.preset) return row.check;
   }
   return MechanicsCheck::kNone;
 }
@@ -61,9 +62,7 @@ QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, C
   MeasureOptions measure_options;
   measure_options.distance_spacing = options.distance_spacing;
   Measurement measurement = measure_quality(measured, measure_options, context);
-  const MechanicsCheck check =
-      options.mechanics == MechanicsCheck::kByPreset ? mechanics_of(options.preset) : options.mechanics;
-  if (check == MechanicsCheck::kBasic && inputs.tet_mesh != nullptr) {
+  if (mechanics_of(options) == MechanicsCheck::kBasic && inputs.tet_mesh != nullptr) {
     measurement.report.mechanics = measure_fitness(*inputs.tet_mesh, context, measurement.worst);
   }
   apply_gates(measurement.report, measurement.worst, options.preset, options.gates);

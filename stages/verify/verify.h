@@ -34,8 +34,8 @@ struct VerifyInputs {
   const TetMesh* tet_mesh = nullptr;
 };
 
-// What kByPreset stands for: kBasic with the presets for finite elements, else kNone.
-MechanicsCheck mechanics_of(Preset preset);
+// What is asked for, kByPreset resolved: kBasic with the presets for finite elements, else kNone.
+MechanicsCheck mechanics_of(const VerifyOptions& options);
 
 // Measures (geometry/measure_quality.h, mechanics/fitness.h) and applies the gates. Logs a warning for each
 // gate that warns or fails, with metric, value, limit and the worst place in mm ("quality.warn",

@@ -48,6 +48,14 @@ double median_edge(const TetMesh& mesh, std::size_t surface_points, Where where)
   return lengths[lengths.size() / 2];
 }
 
+// The same, left in the test's record under `name`.
+template <class Where>
+double recorded_edge(const char* name, const TetMesh& mesh, std::size_t surface_points, Where where) {
+  const double edge = median_edge(mesh, surface_points, where);
+  testing::Test::RecordProperty(name, std::to_string(edge));
+  return edge;
+}
+
 double depth(Vec3 p) {
   return kRadius - distance(p, kCentre);
 }
@@ -61,10 +69,8 @@ TEST(TetgenSizes, FineAtTheSurfaceAndCoarseInside) {
   EXPECT_TRUE(graded.boundary_preserved);
   const auto near = [](Vec3 p) { return depth(p) < 2; };
   const auto far = [](Vec3 p) { return depth(p) > 14; };
-  const double near_edge = median_edge(graded, surface.points.size(), near);
-  const double far_edge = median_edge(graded, surface.points.size(), far);
-  RecordProperty("near", std::to_string(near_edge));
-  RecordProperty("far", std::to_string(far_edge));
+  const double near_edge = recorded_edge("near", graded, surface.points.size(), near);
+  const double far_edge = recorded_edge("far", graded, surface.points.size(), far);
   // Edges that are refined until the longest is short enough end between a half and all of what was asked.
   EXPECT_GT(near_edge, 0.5 * 1.4);
   EXPECT_LT(near_edge, 1.2 * 1.9);
@@ -72,8 +78,7 @@ TEST(TetgenSizes, FineAtTheSurfaceAndCoarseInside) {
   EXPECT_LT(far_edge, 5);
   options.sizes.inside = Length::mm(2);
   const TetMesh fine = tetrahedralize(surface, options, test::worker_context());
-  const double fine_edge = median_edge(fine, surface.points.size(), far);
-  RecordProperty("fine", std::to_string(fine_edge));
+  const double fine_edge = recorded_edge("fine", fine, surface.points.size(), far);
   EXPECT_GT(fine_edge, 0.5 * 2);
   EXPECT_LT(fine_edge, 2);
   EXPECT_GT(fine.tets.size(), 2 * graded.tets.size());
@@ -86,10 +91,8 @@ TEST(TetgenSizes, FineAroundAPointInEitherFrame) {
   const TetMesh mesh = tetrahedralize(surface, options, test::worker_context());
   const auto inside = [](Vec3 p) { return distance(p, kCentre) < 3.5; };
   const auto outside = [](Vec3 p) { return distance(p, kCentre) > 12; };
-  const double fine = median_edge(mesh, surface.points.size(), inside);
-  const double coarse = median_edge(mesh, surface.points.size(), outside);
-  RecordProperty("fine", std::to_string(fine));
-  RecordProperty("coarse", std::to_string(coarse));
+  const double fine = recorded_edge("fine", mesh, surface.points.size(), inside);
+  const double coarse = recorded_edge("coarse", mesh, surface.points.size(), outside);
   EXPECT_GT(fine, 0.5);
   EXPECT_LT(fine, 1);
   EXPECT_GT(coarse, 2);
@@ -124,10 +127,8 @@ TEST(TetgenSizes, AFieldOfSizesOnAnObliqueGrid) {
   const TetMesh mesh = tetrahedralize(surface, options, test::worker_context());
   const auto left = [](Vec3 p) { return p.x < kCentre.x - 3 && depth(p) > 4; };
   const auto right = [](Vec3 p) { return p.x > kCentre.x + 7 && depth(p) > 4; };
-  const double fine = median_edge(mesh, surface.points.size(), left);
-  const double coarse = median_edge(mesh, surface.points.size(), right);
-  RecordProperty("fine", std::to_string(fine));
-  RecordProperty("coarse", std::to_string(coarse));
+  const double fine = recorded_edge("fine", mesh, surface.points.size(), left);
+  const double coarse = recorded_edge("coarse", mesh, surface.points.size(), right);
   EXPECT_GT(fine, 1);
   EXPECT_LT(fine, 2);
   EXPECT_GT(coarse, 2.5);
