@@ -17,7 +17,8 @@ namespace periost {
 // GiB, or more than half of the memory budget) and, without a warning, for a mesh without tetrahedra.
 //
 // The same bits for any number of threads. Time on one thread for 50,000 tetrahedra: about a second at first
-// order, and ten at second. Memory: the matrix's (stiffness.h). Precondition: indices valid, points finite.
+// order, and twenty at second on a busy machine. Memory: the matrix's (stiffness.h). Precondition: indices
+// valid, points finite.
 std::optional<MechanicsQuality> measure_fitness(const TetMesh& mesh, const Context& context,
                                                 WorstElements& worst);
 
