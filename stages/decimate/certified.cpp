@@ -35,7 +35,9 @@ constexpr int kFits = 3;
 constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
 constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
-constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
+constexpr int kSplits = 3;
+constexpr double kSplitBelow = 0.75;  // of the least angle: slivers so bad are split in the hope of more
+constexpr std::size_t kRegions = 4;   // that space is cut into, as long as they are not too small
 constexpr std::size_t kLeastOfARegion = 3000;  // vertices
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
 // the limit itself removals would stop at twice the triangles.
@@ -264,13 +266,24 @@ class Schedule {
     for (Index t = 0; t < state_.mesh.triangles.size(); ++t) {
       if (!state_.mesh.triangles[t].is_alive()) worker->dead_triangles.push_back(t);
     }
-    for (int round = 0; round < kSliverRounds; ++round) {
-      context_.check_cancelled();
-      const std::uint64_t before = worker->counts.moves();
-      sliver_pass(state_, *worker, sliver_vertices(state_, worker->limits.min_angle));
-      if (worker->counts.moves() == before) break;
+    mend_with_insertions(*worker);
+    for (int split = 0; split < kSplits; ++split) {
+      const double limit = kSplitBelow * worker->limits.min_angle;
+      const VertexList vertices = sliver_vertices(state_, limit);
+      if (vertices.empty()) break;
+      split_pass(state_, *worker, vertices, limit);
+      mend_with_insertions(*worker);
     }
     idle_.push_back(std::move(worker));
+  }
+
+  void mend_with_insertions(Worker& worker) {
+    for (int round = 0; round < kSliverRounds; ++round) {
+      context_.check_cancelled();
+      const std::uint64_t before = worker.counts.moves();
+      sliver_pass(state_, worker, sliver_vertices(state_, worker.limits.min_angle));
+      if (worker.counts.moves() == before) break;
+    }
   }
 
   static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices) {

@@ -196,7 +196,7 @@ bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const Gua
   if (new_sum == 0 && !gain) return true;
   for (const Index t : proposal.before) old_sum += weighed(corners_of(before, mesh.triangles[t]), -1);
   if (gain) *gain = old_sum - new_sum;
-  return new_sum <= old_sum && floor_sum <= 0;
+  return new_sum <= old_sum * (1 + limits.growth) && floor_sum <= 0;
 }
 
 bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,

@@ -39,6 +39,7 @@ struct GuardLimits {
   // Deficits of angles count by their fourth power, so that the worst angle may rise at the cost of better
   // ones.
   bool worst_angle_first = false;
+  double growth = 0;  // part of the sum of deficits by which it may grow
 };
 
 // The limits with another least angle. One above theirs is only aimed for.

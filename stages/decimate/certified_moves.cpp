@@ -138,16 +138,20 @@ Refusal check_at_heights(CertifiedState& state, Worker& worker, Vec3 normal, dou
   return refusal;
 }
 
-// Places for a vertex on the edge (u, v): on it and towards the corners beside it, a little above and below.
-std::vector<Vec3> insertion_places(const CertifiedState& state, const Proposal& proposal, Index u, Index v,
+// Places for a vertex on the edge (u, v): on it and towards the corners beside it, a little above and below,
+// and further where nothing else has helped.
+std::vector<Vec3> insertion_places(const CertifiedState& state, const Worker& worker, Index u, Index v,
                                    Vec3 normal) {
+  constexpr std::array<double, 7> kHeightsOff{0, 0.3, -0.3, 0.7, -0.7, 1.2, -1.2};  // tolerances
+  const std::size_t heights = worker.limits.growth > 0 ? kHeightsOff.size() : 3;
+  const Proposal& proposal = worker.proposal;
   const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
   const Vec3 along = state.mesh.points[v] - middle;
   const Vec3 to_rim = rim_centroid(state.mesh, proposal) - middle;
   std::vector<Vec3> places;
   const auto add = [&](Vec3 place) {
-    for (const double height : {0.0, 0.3, -0.3})
-      places.push_back(place + normal * (height * state.tolerance));
+    for (std::size_t i = 0; i < heights; ++i)
+      places.push_back(place + normal * (kHeightsOff[i] * state.tolerance));
   };
   for (const double part : {0.0, 0.3, 0.6, 1.0}) add(middle + to_rim * part);
   for (const Index beside : proposal.rim) {
@@ -186,6 +190,7 @@ bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index v
 }
 
 double least_angle_gain(const GuardLimits& limits) {
+  if (limits.growth > 0) return std::numeric_limits<double>::lowest();
   if (limits.floor_angle > 0) return kWorthwhileGain;
   return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
 }
@@ -314,7 +319,7 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
   const Vec3 normal = edge_normal(state, u, v);
   state.mesh.valence[vertex] = 0;
   std::vector<std::pair<double, Vec3>> places;  // with the fall of the sum of deficits, negative
-  for (const Vec3 place : insertion_places(state, proposal, u, v, normal)) {
+  for (const Vec3 place : insertion_places(state, worker, u, v, normal)) {
     proposal.place = place;
     double gain = 0;
     if (meets_angles(state.mesh, proposal, worker.limits, &gain) && gain >= least_angle_gain(worker.limits))

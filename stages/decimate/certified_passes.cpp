@@ -18,6 +18,7 @@ constexpr double kFit = 0.5;        // of the mean height: all of it would overs
 constexpr double kLeastFit = 0.01;  // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
+constexpr double kSplitGrowth = 0.5;
 // Tell what was tried in a neighbourhood: by sliver_pass without insertions, and with them.
 constexpr std::uint32_t kSliverMark = 0x51D0, kInsertionMark = 0x51D1;
 
@@ -300,6 +301,25 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   return insert_around(state, worker, t);
 }
 
+// What mending slivers may do, the worst first.
+GuardLimits mending_slivers(GuardLimits limits) {
+  limits.worst_angle_first = true;
+  limits.fold_cosine = kSliverFoldCosine;
+  limits.min_valence = 3;
+  return limits;
+}
+
+// Inserts on the longest edge that lets it.
+bool split_longest(CertifiedState& state, Worker& worker, Index t) {
+  const auto c = corners_now(state.mesh, t);
+  const auto length = [&](std::size_t k) { return squared_norm(c[(k + 1) % 3] - c[(k + 2) % 3]); };
+  std::array<std::size_t, 3> slots{0, 1, 2};
+  std::stable_sort(slots.begin(), slots.end(),
+                   [&](std::size_t a, std::size_t b) { return length(a) > length(b); });
+  return std::any_of(slots.begin(), slots.end(),
+                     [&](std::size_t k) { return try_insertion(state, worker, t, k); });
+}
+
 // Mean signed height of the isosurface over the triangles of a star, mm, weighed by its area seen along their
 // normals: zero means that as much volume lies above the star as below.
 double star_height(const CertifiedState& state, const Star& star) {
@@ -427,10 +447,7 @@ VertexList sliver_vertices(const CertifiedState& state, double limit) {
 }
 
 void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
-  const GuardLimits limits = worker.limits;
-  worker.limits.worst_angle_first = true;
-  worker.limits.fold_cosine = kSliverFoldCosine;
-  worker.limits.min_valence = 3;
+  const GuardLimits limits = std::exchange(worker.limits, mending_slivers(worker.limits));
   const bool can_insert = !worker.dead_points.empty();
   for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
     for (const Index t : star.triangle) {
@@ -441,6 +458,17 @@ void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertic
       if (is_moved ? insert_around(state, worker, t) : mend_sliver(state, worker, t)) break;
       state.unmended[t] = signature + (can_insert ? kInsertionMark : kSliverMark);
     }
+  });
+  worker.limits = limits;
+}
+
+void split_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double limit) {
+  const GuardLimits limits = std::exchange(worker.limits, mending_slivers(worker.limits));
+  worker.limits.growth = kSplitGrowth;
+  for_free_rings(state.mesh, vertices, [&](Index, const Star& star) {
+    std::any_of(star.triangle.begin(), star.triangle.end(), [&](Index t) {
+      return has_angle_under(corners_now(state.mesh, t), limit) && split_longest(state, worker, t);
+    });
   });
   worker.limits = limits;
 }

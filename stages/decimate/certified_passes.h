@@ -41,4 +41,8 @@ VertexList sliver_vertices(const CertifiedState& state, double limit);
 // them; deficits count by their fourth power. What failed without insertions is tried with them only.
 void sliver_pass(CertifiedState& state, Worker& worker, const VertexList& vertices);
 
+// Splits triangles with an angle under `limit`, radians, though the sum of deficits grows a little: thin bars
+// of long triangles cannot be mended one move at a time, but once split they can. Needs worker.dead_*.
+void split_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double limit);
+
 }  // namespace periost
