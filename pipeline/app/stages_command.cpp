@@ -30,7 +30,9 @@ std::string properties_text(const SurfaceProperties& properties) {
 
 std::string port_text(const Port& port) {
   return fmt::format("{}: {}{}{}", port.name, name_of(port.kind), properties_text(port.properties),
-                     port.optional ? ", optional" : "");
+                     port.by_name    ? ", only by from"
+                     : port.optional ? ", optional"
+                                     : "");
 }
 
 std::string ports_text(const char* title, const std::vector<Port>& ports) {
@@ -64,6 +66,7 @@ Json json_of(const std::vector<Port>& ports) {
     list.push_back({{"name", port.name},
                     {"kind", name_of(port.kind)},
                     {"optional", port.optional},
+                    {"only_by_from", port.by_name},
                     {"closed", port.properties.closed},
                     {"manifold", port.properties.manifold},
                     {"oriented", port.properties.oriented},

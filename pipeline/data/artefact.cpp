@@ -100,6 +100,12 @@ std::optional<ArtefactKind> kind_from_name(std::string_view name) {
   return std::nullopt;
 }
 
+Artefact as_surface(const Artefact& artefact) {
+  const auto* isosurface = std::get_if<std::shared_ptr<const Isosurface>>(&artefact);
+  if (isosurface == nullptr) return artefact;
+  return std::shared_ptr<const SurfaceMesh>(*isosurface, &(*isosurface)->surface);
+}
+
 std::map<std::string, double> facts_of(const Artefact& artefact) {
   return std::visit([](const auto& value) { return FactsOf{}(*value); }, artefact);
 }

@@ -31,6 +31,9 @@ inline ArtefactKind kind_of(const Artefact& artefact) {
   return static_cast<ArtefactKind>(artefact.index());
 }
 
+// An isosurface's triangles as a surface, which shares its memory; any other artefact as it is.
+Artefact as_surface(const Artefact& artefact);
+
 // The kind of a data type: kind_of_type<Image>() == ArtefactKind::kImage.
 template <class T>
 ArtefactKind kind_of_type() {

@@ -67,6 +67,19 @@ struct VolumeQuality {
   std::optional<bool> boundary_preserved;
 };
 
+// How one mesh bears the load case of pipeline/mechanics/stretch.h.
+struct StretchQuality {
+  double stiffness_n_per_mm = 0, energy_n_mm = 0, p95_von_mises_mpa = 0;
+  std::uint64_t tets = 0, nodes = 0, cg_iterations = 0;  // at second order
+};
+
+// The same load case on the mesh and on one of the undecimated surface.
+struct ReferenceQuality {
+  double stiffness = 0, energy = 0, p95_von_mises = 0;  // (mesh's - fine's) / fine's, signed
+  std::string axis;                                     // "x", "y" or "z" of LPS
+  StretchQuality mesh, fine;
+};
+
 // The mesh as a solver meets it (pipeline/mechanics/fitness.h).
 struct MechanicsQuality {
   double patch_test_error = 0;
@@ -75,6 +88,7 @@ struct MechanicsQuality {
   double condition_ratio = 0;
   std::uint64_t cg_iterations = 0;
   double cg_ratio = 0;
+  std::optional<ReferenceQuality> reference;
 };
 
 enum class Verdict { kPass, kWarn, kFail };

@@ -102,6 +102,9 @@ const std::vector<PresetRow>& preset_rows() {
       {"mechanics.rigid_modes", fails(6), fails(6), fails(6)},
       {"mechanics.condition_ratio", kOff, warns(20), warns(10)},
       {"mechanics.cg_ratio", kOff, warns(4), warns(3)},
+      {"mechanics.reference.stiffness", fails(0.02), fails(0.02), fails(0.02)},
+      {"mechanics.reference.energy", fails(0.02), fails(0.02), fails(0.02)},
+      {"mechanics.reference.p95_von_mises", fails(0.05), fails(0.05), fails(0.05)},
   };
   return rows;
 }

@@ -42,6 +42,11 @@ std::function<Value(const QualityReport&)> in_mechanics(Member MechanicsQuality:
     return r.mechanics ? Value(static_cast<double>((*r.mechanics).*member)) : Value();
   };
 }
+std::function<Value(const QualityReport&)> in_reference(double ReferenceQuality::*member) {
+  return [member](const QualityReport& r) {
+    return r.mechanics && r.mechanics->reference ? Value((*r.mechanics->reference).*member) : Value();
+  };
+}
 std::function<Value(const QualityReport&)> in_distance(Value (*get)(const SurfaceDistance&)) {
   return [get](const QualityReport& r) {
     return r.surface && r.surface->distance ? get(*r.surface->distance) : Value();
@@ -225,6 +230,16 @@ void add_mechanics(std::vector<Metric>& t) {
   t.push_back({"mechanics.cg_ratio", "",
                "<=", "These iterations to those of ideal elements of the mean volume.",
                in_mechanics(&M::cg_ratio)});
+  using R = ReferenceQuality;
+  t.push_back({"mechanics.reference.stiffness", "", "<=",
+               "Stiffness when stretched, (mesh's - fine's) / fine's; a gate looks at its absolute value.",
+               in_reference(&R::stiffness), true});
+  t.push_back({"mechanics.reference.energy", "",
+               "<=", "Strain energy when stretched, (mesh's - fine's) / fine's, likewise.",
+               in_reference(&R::energy), true});
+  t.push_back({"mechanics.reference.p95_von_mises", "", "<=",
+               "95th percentile of the von Mises stress by volume, (mesh's - fine's) / fine's, likewise.",
+               in_reference(&R::p95_von_mises), true});
 }
 
 }  // namespace

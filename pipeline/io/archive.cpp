@@ -14,7 +14,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'P', 'E', 'R', 'I', 'O', 'A', 'R', 'T'};
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kHeaderBytes = kMagic.size() + 4 + 4 + 8;
 
@@ -245,10 +245,22 @@ void walk(W& w, T& q) {
           mean_ratio, aspect_ratio, size_ratio, jacobian_ratio, preserved);
 }
 
+template <class W, Same<StretchQuality> T>
+void walk(W& w, T& q) {
+  auto& [stiffness, energy, p95_von_mises, tets, nodes, iterations] = q;
+  members(w, stiffness, energy, p95_von_mises, tets, nodes, iterations);
+}
+
+template <class W, Same<ReferenceQuality> T>
+void walk(W& w, T& q) {
+  auto& [stiffness, energy, p95_von_mises, axis, mesh, fine] = q;
+  members(w, stiffness, energy, p95_von_mises, axis, mesh, fine);
+}
+
 template <class W, Same<MechanicsQuality> T>
 void walk(W& w, T& q) {
-  auto& [patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio] = q;
-  members(w, patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio);
+  auto& [patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio, reference] = q;
+  members(w, patch_error, modes, mode_error, condition_ratio, iterations, iterations_ratio, reference);
 }
 
 template <class W, Same<WorstElement> T>

@@ -106,10 +106,26 @@ Json json_of(const VolumeQuality& q) {
   return json;
 }
 
+Json json_of(const StretchQuality& q) {
+  return {{"stiffness_n_per_mm", q.stiffness_n_per_mm},
+          {"energy_n_mm", q.energy_n_mm},
+          {"p95_von_mises_mpa", q.p95_von_mises_mpa},
+          {"tets", q.tets},
+          {"nodes", q.nodes},
+          {"cg_iterations", q.cg_iterations}};
+}
+
 Json json_of(const MechanicsQuality& q) {
-  return {{"patch_test_error", q.patch_test_error}, {"rigid_modes", q.rigid_modes},
-          {"rigid_mode_error", q.rigid_mode_error}, {"condition_ratio", q.condition_ratio},
-          {"cg_iterations", q.cg_iterations},       {"cg_ratio", q.cg_ratio}};
+  Json json{{"patch_test_error", q.patch_test_error}, {"rigid_modes", q.rigid_modes},
+            {"rigid_mode_error", q.rigid_mode_error}, {"condition_ratio", q.condition_ratio},
+            {"cg_iterations", q.cg_iterations},       {"cg_ratio", q.cg_ratio}};
+  if (q.reference) {
+    const ReferenceQuality& r = *q.reference;
+    json["reference"] = {{"stiffness", r.stiffness},         {"energy", r.energy},
+                         {"p95_von_mises", r.p95_von_mises}, {"axis", r.axis},
+                         {"mesh", json_of(r.mesh)},          {"fine", json_of(r.fine)}};
+  }
+  return json;
 }
 
 Json json_of(const GateResult& gate) {

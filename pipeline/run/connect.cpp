@@ -76,9 +76,20 @@ class Connector {
     const std::vector<Port>& outputs = source.step->declaration->outputs;
     for (std::size_t output = 0; output < outputs.size(); ++output) {
       const bool is_named = source.output.empty() || outputs[output].name == source.output;
-      if (is_named && outputs[output].kind == port.kind) return PlanInput{port.name, source.index, output};
+      if (is_named && outputs[output].kind == port.kind)
+        return PlanInput{port.name, source.index, output, port.kind};
     }
     return std::nullopt;
+  }
+
+  // The same for an input that the file names: there an isosurface may stand for a surface.
+  std::optional<PlanInput> match_named(const Source& source, Port port) const {
+    std::optional<PlanInput> found = match(source, port);
+    if (found || port.kind != ArtefactKind::kSurface) return found;
+    port.kind = ArtefactKind::kIsosurface;
+    found = match(source, port);
+    if (found) found->kind = ArtefactKind::kSurface;
+    return found;
   }
 
   void pick_by_kind(const InputChoice& choice) {
@@ -87,6 +98,7 @@ class Connector {
     if (!source || source->step->declaration == nullptr) return is_failed_.assign(is_failed_.size(), true);
     bool is_used = false;
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      if (declaration_.inputs[i].by_name) continue;
       const std::optional<PlanInput> input = match(*source, declaration_.inputs[i]);
       if (!input || chosen_[i]) continue;
       // A source with one such output feeds one input of a kind; further ones are for the next entry of
@@ -116,7 +128,7 @@ class Connector {
     const auto i = static_cast<std::size_t>(found - inputs.begin());
     const std::optional<Source> source = find_source(choice);
     const bool is_known = source && source->step->declaration != nullptr;
-    if (is_known) chosen_[i] = match(*source, *found);
+    if (is_known) chosen_[i] = match_named(*source, *found);
     if (is_known && !chosen_[i]) no_match(choice);
     is_failed_[i] = !chosen_[i];
   }
@@ -133,7 +145,8 @@ class Connector {
 
   void pick_newest(std::size_t i) {
     const Port& port = declaration_.inputs[i];
-    const auto has_kind = [&](const Port& other) { return other.kind == port.kind; };
+    if (port.by_name) return;
+    const auto has_kind = [&](const Port& other) { return other.kind == port.kind && !other.by_name; };
     const bool is_first = std::none_of(
         declaration_.inputs.begin(), declaration_.inputs.begin() + static_cast<std::ptrdiff_t>(i), has_kind);
     for (std::size_t step = earlier_.size(); is_first && step-- > 0;) {

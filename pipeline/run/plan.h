@@ -14,9 +14,11 @@ namespace periost {
 
 // Where an input of a step comes from.
 struct PlanInput {
-  std::string port;        // name of the input
-  std::size_t step = 0;    // index of an earlier step
-  std::size_t output = 0;  // index among that step's declared outputs
+  std::string port;                          // name of the input
+  std::size_t step = 0;                      // index of an earlier step
+  std::size_t output = 0;                    // index among that step's declared outputs
+  ArtefactKind kind = ArtefactKind::kImage;  // that the input takes; the output's but for an isosurface
+                                             // that stands for a surface
 };
 
 struct PlanStep {

@@ -276,7 +276,10 @@ bool Execution::take_from_cache(std::size_t step, StageRecord& record) {
 CacheEntry Execution::compute(std::size_t index) {
   const PlanStep& step = plan_.steps[index];
   Inputs inputs;
-  for (const PlanInput& input : step.inputs) inputs.set(input.port, store_.at({input.step, input.output}));
+  for (const PlanInput& input : step.inputs) {
+    const Artefact& artefact = store_.at({input.step, input.output});
+    inputs.set(input.port, kind_of(artefact) == input.kind ? artefact : as_surface(artefact));
+  }
   Context context = context_for(step.id);
   CacheEntry entry;
   entry.outputs = step.stage->run_any(step.options, inputs, context).artefacts();

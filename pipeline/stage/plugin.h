@@ -12,7 +12,7 @@
 namespace periost {
 
 // Raised when a stage built before cannot work with the framework any more.
-inline constexpr std::uint32_t kPluginEpoch = 1;
+inline constexpr std::uint32_t kPluginEpoch = 2;
 inline constexpr std::uint64_t kPluginMagic = 0x54534F4952455031;  // "1PERIOST" in memory
 
 // What must be equal on both sides of the boundary beside the epoch: the compiler and its version, the ABI of

@@ -20,6 +20,7 @@ struct Port {
   SurfaceProperties properties;
   bool optional = false;  // inputs only: the stage runs without it
   std::string doc;        // one sentence
+  bool by_name = false;   // inputs only, optional: connected by `from: {NAME: ID}` and by nothing else
 };
 
 }  // namespace periost

@@ -147,6 +147,13 @@ class Declaration {
     declaration_.inputs.push_back({std::move(name), kind_of_type<T>(), required, true, std::move(doc)});
     return *this;
   }
+  // An optional input that the newest artefact of its kind would be wrong for: only `from: {NAME: ID}`
+  // connects it.
+  template <class T>
+  Declaration& named_input(std::string name, std::string doc, SurfaceProperties required = {}) {
+    declaration_.inputs.push_back({std::move(name), kind_of_type<T>(), required, true, std::move(doc), true});
+    return *this;
+  }
   template <class T>
   Declaration& output(std::string name, std::string doc, SurfaceProperties guaranteed = {}) {
     declaration_.outputs.push_back({std::move(name), kind_of_type<T>(), guaranteed, false, std::move(doc)});

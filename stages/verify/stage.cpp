@@ -14,7 +14,9 @@ std::vector<Choice<MechanicsCheck>> choices_of(MechanicsCheck) {
   return {
       {MechanicsCheck::kByPreset, "by_preset", "`basic` with `fe-standard` and `fe-strict`, else `none`."},
       {MechanicsCheck::kNone, "none", "Not measured."},
-      {MechanicsCheck::kBasic, "basic", "Patch test, motions without energy, conditioning."}};
+      {MechanicsCheck::kBasic, "basic", "Patch test, motions without energy, conditioning."},
+      {MechanicsCheck::kReference, "reference",
+       "These, and stiffness, energy and stress under a load compared with the mesh `reference`."}};
 }
 
 static void declare_params(ParamTable<GateLimits>& table) {
@@ -30,12 +32,13 @@ namespace {
 class VerifyStage final : public StageOf<VerifyOptions> {
  public:
   void declare(Declaration<VerifyOptions>& d) const override {
-    d.stage("verify", 2, "Measures surface and volume mesh and judges them by quality gates.")
+    d.stage("verify", 3, "Measures surface and volume mesh and judges them by quality gates.")
         .optional_input<Isosurface>("isosurface", "What distances and volumes are compared with.")
         .optional_input<SimplexMesh>("simplex_mesh",
                                      "The decimated model, for its report and the distance asked.")
         .optional_input<SurfaceMesh>("surface", "The surface to measure.")
         .optional_input<TetMesh>("tet_mesh", "The tetrahedral mesh to measure.")
+        .named_input<TetMesh>("reference", "A mesh of the undecimated isosurface, for mechanics: reference.")
         .output<QualityReport>("quality", "The metrics, the gates and the verdict.")
         .param("preset", &VerifyOptions::preset, Quantity::kNone, Range::any(),
                "The table of gates to apply.")
@@ -59,12 +62,17 @@ class VerifyStage final : public StageOf<VerifyOptions> {
           "verify.unknown_metric", "gates." + entry.first, "unknown metric '" + entry.first + "'",
           nearest.empty() ? "docs/quality.md lists the metrics" : "did you mean '" + nearest + "'?");
     }
+    if (options.mechanics == MechanicsCheck::kReference && !preflight.inputs.contains("reference")) {
+      preflight.error("verify.no_reference", "mechanics", "there is no mesh of the undecimated surface",
+                      "write from: {reference: ID}, with the id of a tetgen stage that has "
+                      "from: {surface: marching_cubes}");
+    }
     const Forecast& isosurface = preflight.inputs["isosurface"];
     const Forecast& tets = preflight.inputs["tet_mesh"];
     // Searches over both surfaces with their samples, and the faces of the tetrahedra or, at first order, the
     // stiffness matrix. A matrix that outgrows the budget is left out.
-    preflight.peak_bytes = 400 * isosurface.triangles +
-                           (mechanics_of(options) == MechanicsCheck::kBasic ? 500 : 160) * tets.tets;
+    preflight.peak_bytes =
+        400 * isosurface.triangles + (mechanics_of(options) == MechanicsCheck::kNone ? 160 : 500) * tets.tets;
   }
 
   Outputs run(const VerifyOptions& options, const Inputs& inputs, Context& context) const override {
@@ -72,7 +80,9 @@ class VerifyStage final : public StageOf<VerifyOptions> {
     const auto simplex_mesh = inputs.find<SimplexMesh>("simplex_mesh");
     const auto surface = inputs.find<SurfaceMesh>("surface");
     const auto tet_mesh = inputs.find<TetMesh>("tet_mesh");
-    return {verify({isosurface.get(), simplex_mesh.get(), surface.get(), tet_mesh.get()}, options, context)};
+    const auto reference = inputs.find<TetMesh>("reference");
+    return {verify({isosurface.get(), simplex_mesh.get(), surface.get(), tet_mesh.get(), reference.get()},
+                   options, context)};
   }
 };
 

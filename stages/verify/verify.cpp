@@ -8,6 +8,7 @@
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/topology.h"
 #include "pipeline/mechanics/fitness.h"
+#include "stages/verify/reference.h"
 
 namespace periost {
 namespace {
@@ -23,6 +24,17 @@ void log_gates(const QualityReport& report, const Context& context) {
   context.info("quality.verdict",
                fmt::format("{} gates: {} passed, {} warned, {} failed", report.gates.size(),
                            report.gates.size() - warned - failed, warned, failed));
+}
+
+std::optional<MechanicsQuality> check_mechanics(const TetMesh& mesh, const TetMesh* reference,
+                                                MechanicsCheck check, WorstElements& worst,
+                                                const Context& context) {
+  if (check == MechanicsCheck::kNone) return std::nullopt;
+  std::optional<MechanicsQuality> quality = measure_fitness(mesh, context, worst);
+  if (quality && check == MechanicsCheck::kReference && reference != nullptr) {
+    quality->reference = compare_with_reference(mesh, *reference, context);
+  }
+  return quality;
 }
 
 }  // namespace
@@ -62,8 +74,9 @@ QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, C
   MeasureOptions measure_options;
   measure_options.distance_spacing = options.distance_spacing;
   Measurement measurement = measure_quality(measured, measure_options, context);
-  if (mechanics_of(options) == MechanicsCheck::kBasic && inputs.tet_mesh != nullptr) {
-    measurement.report.mechanics = measure_fitness(*inputs.tet_mesh, context, measurement.worst);
+  if (inputs.tet_mesh != nullptr) {
+    measurement.report.mechanics = check_mechanics(*inputs.tet_mesh, inputs.reference, mechanics_of(options),
+                                                   measurement.worst, context);
   }
   apply_gates(measurement.report, measurement.worst, options.preset, options.gates);
   log_gates(measurement.report, context);

@@ -16,7 +16,8 @@ namespace periost {
 enum class MechanicsCheck {
   kByPreset,  // what the preset's row in the table of verify.cpp says
   kNone,
-  kBasic,  // patch test, motions without energy, conditioning
+  kBasic,      // patch test, motions without energy, conditioning
+  kReference,  // these, and the same load on a mesh of the undecimated surface (reference.h)
 };
 
 struct VerifyOptions {
@@ -32,16 +33,17 @@ struct VerifyInputs {
   const SimplexMesh* simplex_mesh = nullptr;
   const SurfaceMesh* surface = nullptr;
   const TetMesh* tet_mesh = nullptr;
+  const TetMesh* reference = nullptr;  // of the undecimated isosurface; for kReference only
 };
 
 // What is asked for, kByPreset resolved: kBasic with the presets for finite elements, else kNone.
 MechanicsCheck mechanics_of(const VerifyOptions& options);
 
-// Measures (geometry/measure_quality.h, mechanics/fitness.h) and applies the gates. Logs a warning for each
-// gate that warns or fails, with metric, value, limit and the worst place in mm ("quality.warn",
-// "quality.fail"), and one line with the verdict. A tetrahedral mesh without a surface has its boundary
-// measured as the surface. Precondition: every path in `gates` is a metric. Deterministic for any number of
-// threads.
+// Measures (geometry/measure_quality.h, mechanics/fitness.h, reference.h) and applies the gates. Logs a
+// warning for each gate that warns or fails, with metric, value, limit and the worst place in mm
+// ("quality.warn", "quality.fail"), and one line with the verdict. A tetrahedral mesh without a surface has
+// its boundary measured as the surface. Precondition: every path in `gates` is a metric. Deterministic for
+// any number of threads.
 QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, Context& context);
 
 }  // namespace periost

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"magic", "plugin.wrong_magic", "not one of Periost's"},
                     Case{"null", "plugin.wrong_magic", "not one of Periost's"},
                     Case{"size", "plugin.wrong_size", "has 8 bytes"},
-                    Case{"epoch", "plugin.wrong_epoch", "interface 2"},
+                    Case{"epoch", "plugin.wrong_epoch", "interface 3"},
                     Case{"fingerprint", "plugin.wrong_toolchain", "built with 'gcc 4.9'"},
                     Case{"no_fingerprint", "plugin.wrong_toolchain", "built with ''"},
                     Case{"sizes", "plugin.wrong_toolchain", "other sizes"},

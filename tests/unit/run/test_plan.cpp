@@ -8,6 +8,31 @@
 namespace periost {
 namespace {
 
+struct NoOptions {};
+
+// image -> isosurface
+class ExtractStage final : public StageOf<NoOptions> {
+ public:
+  void declare(Declaration<NoOptions>& d) const override {
+    d.stage("extract", 1, "Extracts.")
+        .input<Image>("image", "The image.")
+        .output<Isosurface>("isosurface", "The isosurface.", {.closed = true});
+  }
+  Outputs run(const NoOptions&, const Inputs&, Context&) const override { return {Isosurface()}; }
+};
+
+// tet_mesh, and a second one by name only
+class AgainstStage final : public StageOf<NoOptions> {
+ public:
+  void declare(Declaration<NoOptions>& d) const override {
+    d.stage("against", 1, "Compares.")
+        .named_input<TetMesh>("reference", "What it should be.")
+        .input<TetMesh>("tet_mesh", "The mesh.")
+        .output<QualityReport>("quality", "How they differ.");
+  }
+  Outputs run(const NoOptions&, const Inputs&, Context&) const override { return {QualityReport()}; }
+};
+
 class PlanTest : public testing::Test {
  protected:
   PlanTest() { sample::register_stages(registry_); }
@@ -67,6 +92,47 @@ chain:
   EXPECT_EQ(p.steps.at(2).inputs.at(0).output, 1u);
   EXPECT_EQ(p.steps.at(3).inputs.at(0).output, 1u);
   EXPECT_EQ(p.steps.at(3).inputs.at(1).output, 0u);
+}
+
+TEST_F(PlanTest, ANamedInputIsConnectedByItsNameAlone) {
+  register_stage(registry_, std::make_unique<AgainstStage>());
+  const Plan p = plan(R"(periost: 1
+chain:
+  - {stage: read, path: a.nii}
+  - {stage: mesh}
+  - {stage: tets, id: fine}
+  - {stage: tets, id: coarse}
+  - {stage: against}
+  - {stage: against, from: fine}
+  - {stage: against, from: {reference: fine}}
+)");
+  for (const std::size_t step : {4u, 5u}) {
+    ASSERT_EQ(p.steps.at(step).inputs.size(), 1u);
+    EXPECT_EQ(p.steps.at(step).inputs[0].port, "tet_mesh");
+  }
+  ASSERT_EQ(p.steps.at(6).inputs.size(), 2u);
+  EXPECT_EQ(p.steps.at(6).inputs[0].port, "reference");
+  EXPECT_EQ(p.steps.at(6).inputs[0].step, 2u);
+  EXPECT_EQ(p.steps.at(6).inputs[1].step, 3u);
+  EXPECT_EQ(p.steps.at(6).inputs[1].kind, ArtefactKind::kTetMesh);
+}
+
+TEST_F(PlanTest, AnIsosurfaceStandsForASurfaceWhereItIsNamed) {
+  register_stage(registry_, std::make_unique<ExtractStage>());
+  const Plan p = plan(R"(periost: 1
+chain:
+  - {stage: read, path: a.nii}
+  - {stage: mesh}
+  - {stage: extract}
+  - {stage: tets}
+  - {stage: tets, from: {surface: extract}}
+)");
+  EXPECT_EQ(p.steps.at(3).inputs.at(0).step, 1u) << "the newest surface is no isosurface";
+  EXPECT_EQ(p.steps.at(4).inputs.at(0).step, 2u);
+  EXPECT_EQ(p.steps.at(4).inputs.at(0).kind, ArtefactKind::kSurface);
+  const auto isosurface = std::make_shared<const Isosurface>();
+  const Artefact surface = as_surface(isosurface);
+  EXPECT_EQ(std::get<std::shared_ptr<const SurfaceMesh>>(surface).get(), &isosurface->surface);
 }
 
 TEST_F(PlanTest, PreflightSeesForecastsAndSumsMemory) {

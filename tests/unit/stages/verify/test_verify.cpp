@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "pipeline/mechanics/stretch.h"
 #include "tests/support/surfaces.h"
 #include "tests/support/tet_meshes.h"
 
@@ -123,6 +127,45 @@ TEST(Verify, ABodyWithAHingeFailsItsGateAndTwoBodiesDoNot) {
   };
   EXPECT_EQ(verdict_of({0, 0, 0}), Verdict::kFail) << "a corner is shared";
   EXPECT_EQ(verdict_of({3, 0, 0}), Verdict::kPass);
+}
+
+// A bar against a finer mesh of itself, and against a thicker one.
+TEST(Verify, ComparesWithTheReferenceUnderALoad) {
+  const TetMesh mesh = test::box_mesh({.cell = {2, 2, 3}, .cells = {2, 2, 14}});
+  const TetMesh same = test::box_mesh({.cell = {1, 1, 2}, .cells = {4, 4, 21}});
+  const TetMesh thicker = test::box_mesh({.cell = {1.1, 1, 2}, .cells = {4, 4, 21}});
+  VerifyOptions options;
+  options.mechanics = MechanicsCheck::kReference;
+  Context context;
+  const auto gate = [](const QualityReport& report, const std::string& path) {
+    const auto found = std::find_if(report.gates.begin(), report.gates.end(),
+                                    [&](const GateResult& result) { return result.metric == path; });
+    return found == report.gates.end() ? std::nullopt : std::optional(found->status);
+  };
+  const QualityReport good = verify({nullptr, nullptr, nullptr, &mesh, &same}, options, context);
+  ASSERT_TRUE(good.mechanics && good.mechanics->reference);
+  EXPECT_EQ(good.mechanics->reference->axis, "z");
+  EXPECT_NEAR(good.mechanics->reference->stiffness, 0, 0.01);
+  EXPECT_EQ(gate(good, "mechanics.reference.stiffness"), Verdict::kPass);
+  EXPECT_EQ(gate(good, "mechanics.reference.p95_von_mises"), Verdict::kPass);
+  const QualityReport bad = verify({nullptr, nullptr, nullptr, &mesh, &thicker}, options, context);
+  EXPECT_NEAR(bad.mechanics->reference->stiffness, 1 / 1.1 - 1, 0.01);
+  EXPECT_EQ(gate(bad, "mechanics.reference.stiffness"), Verdict::kFail);
+  EXPECT_EQ(gate(bad, "mechanics.reference.energy"), Verdict::kFail);
+}
+
+TEST(Verify, LeavesTheReferenceOutWhereItDoesNotFitAndSaysSo) {
+  const TetMesh mesh = test::box_mesh({.cells = {2, 2, 6}});
+  VerifyOptions options;
+  options.mechanics = MechanicsCheck::kReference;
+  Context context;
+  context.memory_bytes = stretch_bytes(mesh);
+  std::vector<std::string> codes;
+  context.sink = [&](const Event& event) { codes.push_back(event.code); };
+  const QualityReport report = verify({nullptr, nullptr, nullptr, &mesh, &mesh}, options, context);
+  ASSERT_TRUE(report.mechanics.has_value());
+  EXPECT_FALSE(report.mechanics->reference.has_value());
+  EXPECT_NE(std::find(codes.begin(), codes.end(), "mechanics.too_large"), codes.end());
 }
 
 }  // namespace
