@@ -1,7 +1,9 @@
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "pipeline/base/parallel.h"
+#include "pipeline/mechanics/coarse_space.h"
 #include "pipeline/mechanics/equilibrium.h"
 
 namespace periost {
@@ -39,21 +41,30 @@ Solution solve_iteratively(const Stiffness& stiffness, const LoadCase& load_case
   FlatProblem problem = flatten(stiffness, load_case);
   std::vector<double>& u = problem.displacement;
   const std::vector<double> inverse = inverse_diagonal(stiffness, problem.is_free);
+  std::optional<CoarseSpace> coarse;
+  if (!options.points.empty()) coarse.emplace(stiffness, problem.is_free, options.points, context);
   const std::size_t count = u.size();
-  std::vector<double> residual(count), direction(count), product(count);
+  std::vector<double> residual(count), corrected(count), direction(count), product(count);
+  // What the preconditioner makes of the residual; returns the square of the residual's norm in it.
+  const auto precondition = [&] {
+    parallel_blocks(context, count, kNumbersPerTask, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) corrected[k] = inverse[k] * residual[k];
+    });
+    if (coarse) coarse->add_motion(residual, corrected, context);
+    return ordered_sum(context, count, [&](std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t k = begin; k < end; ++k) sum += corrected[k] * residual[k];
+      return sum;
+    });
+  };
   multiply(stiffness, u, product, context);
-  for (std::size_t k = 0; k < count; ++k) {
-    residual[k] = problem.force[k] - product[k];
-    direction[k] = inverse[k] * residual[k];
-  }
-  double squared = ordered_sum(context, count, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
-    for (std::size_t k = begin; k < end; ++k) sum += inverse[k] * residual[k] * residual[k];
-    return sum;
-  });
+  for (std::size_t k = 0; k < count; ++k) residual[k] = problem.force[k] - product[k];
+  double squared = precondition();
+  direction = corrected;
   const double enough = options.tolerance * options.tolerance * squared;
   std::size_t iterations = 0;
   for (; squared > enough && iterations < options.max_iterations; ++iterations) {
+    context.check_cancelled();
     multiply(stiffness, direction, product, context);
     const double curvature = ordered_sum(context, count, [&](std::size_t begin, std::size_t end) {
       double sum = 0;
@@ -62,21 +73,17 @@ Solution solve_iteratively(const Stiffness& stiffness, const LoadCase& load_case
     });
     if (!(curvature > 0)) break;  // a free motion, or rounding at the end
     const double length = squared / curvature;
-    const double before = squared;
-    squared = ordered_sum(context, count, [&](std::size_t begin, std::size_t end) {
-      double sum = 0;
+    parallel_blocks(context, count, kNumbersPerTask, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         u[k] += length * direction[k];
         residual[k] -= length * product[k];
-        sum += inverse[k] * residual[k] * residual[k];
       }
-      return sum;
     });
+    const double before = squared;
+    squared = precondition();
     const double turn = squared / before;
     parallel_blocks(context, count, kNumbersPerTask, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        direction[k] = inverse[k] * residual[k] + turn * direction[k];
-      }
+      for (std::size_t k = begin; k < end; ++k) direction[k] = corrected[k] + turn * direction[k];
     });
   }
   Solution solution = solution_of(stiffness, problem, context);

@@ -217,7 +217,8 @@ std::optional<Stretch> stretch(const TetMesh& mesh, const StretchFrame& frame, c
   const std::vector<std::size_t> bedded = bedded_tets(body.mesh, frame);
   LoadCase load_case;
   add_beds(body.mesh, bedded, frame, material.young_mpa, stiffness, load_case);
-  const Solution solution = solve_iteratively(stiffness, load_case, {.tolerance = kTolerance}, context);
+  const Solution solution =
+      solve_iteratively(stiffness, load_case, {.tolerance = kTolerance, .points = body.mesh.points}, context);
 
   Stretch result;
   const BedForces forces = bed_forces(body.mesh, bedded, frame, material.young_mpa, solution.displacement);
