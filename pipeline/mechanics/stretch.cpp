@@ -13,7 +13,7 @@ namespace periost {
 namespace {
 
 constexpr std::size_t kTetsPerTask = 4096;
-constexpr double kTolerance = 1e-7;
+constexpr double kTolerance = 1e-6;
 
 // The bodies of `mesh` that reach both ends at half their thickness, as a mesh of second order.
 struct Spanning {
