@@ -1,7 +1,8 @@
 #pragma once
-// Moves points of the boundary where tetrahedra at them cannot be improved otherwise, within limits that keep
-// the surface what it is.
+// The boundary of a mesh whose points may slide, and what has to be known of it to judge a move. Moves are
+// found by slide_trial.h.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "stages/improve/slide_distance.h"
@@ -10,51 +11,56 @@
 
 namespace periost {
 
+// A move of one point, with all tetrahedra at it.
+struct SlideMove {
+  Index point = kNoIndex;
+  Vec3 place;
+  std::vector<Index> star;
+};
+
 class BoundarySlide {
  public:
   // `boundary`: the outward triangles of the mesh's boundary. They keep their distance of `tolerance_mm` from
-  // the reference; both live on. Normals are compared with those at this moment.
+  // the reference; all three live on. Normals are compared with those at this moment.
   BoundarySlide(TetComplex& complex, const std::vector<Triangle>& boundary, const SlideReference& reference,
                 double tolerance_mm);
 
-  // Moves a boundary point whose star is below `target`: freely along the common direction of growth, else
-  // along its part in the surface, with backtracking. True when the star's smallest sine rose by more than
-  // kLeastGain; star() then holds the tetrahedra, all of which changed. The limits are those that improve.h
-  // states. Points that also lie between regions stay.
-  bool slide(Index point, double target);
+  const TetComplex& complex() const { return complex_; }
+  const SlideReference& reference() const { return reference_; }
+  double tolerance() const { return tolerance_; }  // mm, a little less than what was given
+  const Triangle& triangle(Index t) const { return boundary_[t]; }
+  Vec3 first_normal(Index triangle) const { return first_normal_[triangle]; }  // unit
 
-  const std::vector<Index>& star() const { return star_; }
+  // Triangles at a point, ascending; none at points inside.
+  std::span<const Index> triangles_at(Index point) const {
+    if (point + 1 >= first_.size()) return {};
+    return {incident_.data() + first_[point], incident_.data() + first_[point + 1]};
+  }
+  // All triangles that meet the box now.
+  void near(const ImproveBox& box, std::vector<Index>& triangles) const;
+  // A box that holds all that trials for corners of `tet` look at and all that their moves change. Where two
+  // such boxes do not meet, neither trial depends on the other's move.
+  ImproveBox reach(Index tet) const;
+
+  void make(const SlideMove& move);
   std::size_t moved_points() const;
 
- private:
-  bool move_towards(Index point, Vec3 goal, double sine);
-  bool keeps_shape(Index point, Vec3 place) const;
-  bool keeps_apart(Index point, Vec3 place);
-  bool keeps_distance(Index point, Vec3 place);
-  void gather(Index point);
-  ImproveBox star_box(Index point) const;
-  SlidePatch patch(Index triangle) const;
-  const Index* begin_of(Index point) const { return incident_.data() + first_[point]; }
-  const Index* end_of(Index point) const { return incident_.data() + first_[point + 1]; }
+  // Whether a trial for the point failed in this state of its star, and a note that it did. Different points
+  // may be asked from several threads.
+  bool has_failed(Index point, std::uint64_t state) const { return failed_[point] == state; }
+  void note_failure(Index point, std::uint64_t state) { failed_[point] = state; }
 
+ private:
   TetComplex& complex_;
   const std::vector<Triangle>& boundary_;
   const SlideReference& reference_;
   double tolerance_;
   std::vector<Index> first_, incident_;  // per point: its boundary triangles
-  std::vector<Vec3> first_normal_;       // per boundary triangle, unit
+  std::vector<Vec3> first_normal_;       // per boundary triangle
   std::vector<Vec3> first_place_;        // of points, as they came
   double farthest_ = 0;                  // longest way of any point
   TriangleGrid boundary_grid_;
-  std::vector<Index> star_;
-  std::vector<TetFan> fans_;
-  // Boundary triangles around the point at work, gathered when first needed.
-  bool is_gathered_ = false;
-  std::vector<Index> near_boundary_;
-  std::vector<SlidePatch> rest_;  // those that are not at the point
-  SlideDistance distance_;
-  // Per point: its star when sliding last failed, as a sum over versions.
-  std::vector<std::uint64_t> failed_;
+  std::vector<std::uint64_t> failed_;  // per point: its star when a trial last failed
 };
 
 }  // namespace periost

@@ -7,16 +7,13 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <queue>
 
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/tet_faces.h"
 #include "pipeline/geometry/tet_quality.h"
 #include "stages/improve/boundary_slide.h"
-#include "stages/improve/tet_cavity.h"
-#include "stages/improve/tet_removal.h"
-#include "stages/improve/tet_smoothing.h"
+#include "stages/improve/tet_improver.h"
 #include "stages/improve/thin_split.h"
 
 namespace periost {
@@ -26,120 +23,17 @@ using Clock = std::chrono::steady_clock;
 
 // Degrees: rounds without new points go to here, and so does sliding, whose checks are dear.
 constexpr double kFirstTarget = 26;
+constexpr double kRescueLimit = 22;  // degrees: what is left below it is worth more time
 // Least rise of the smallest sine for each tetrahedron that a new point brings, first and later.
 constexpr double kFirstPrice = 0.006;
 constexpr double kLaterPrice = 0.004;
-constexpr std::uint64_t kTriesPerTet = 30;  // then a round ends, whatever is left
-constexpr std::uint64_t kPollEvery = 256;
+// Least rise of the smallest sine by a move of a boundary point, first and later.
+constexpr double kFirstGain = 0.03;
+constexpr double kLaterGain = 0.02;
 
 double sine_of(double degrees) {
   return std::sin(Angle::deg(degrees).radians());
 }
-
-enum Means : unsigned { kRemove = 1, kSmooth = 2, kInsert = 4, kSlide = 8 };
-
-// One queued tetrahedron; stale when its version is not that of the slot any more.
-struct Bad {
-  double quality;
-  Index tet;
-  std::uint32_t version;
-  // Worst first, then the lowest slot.
-  bool operator<(const Bad& other) const {
-    return quality != other.quality ? quality > other.quality : tet > other.tet;
-  }
-};
-
-class Improver {
- public:
-  Improver(TetComplex& complex, BoundarySlide* slide, double max_growth, const Context& context)
-      : complex_(complex),
-        removal_(complex),
-        smoothing_(complex),
-        cavity_(complex),
-        slide_(slide),
-        context_(context),
-        most_(static_cast<std::size_t>(static_cast<double>(complex.live) * (1 + max_growth))) {}
-
-  // Works on all tetrahedra below the target, worst first, with the means given.
-  // `price`: by how much the smallest sine must rise for each tetrahedron that a new point brings.
-  void round(double target, unsigned means, double price = 0) {
-    target_ = target;
-    price_ = price;
-    for (Index t = 0; t < complex_.corners.size(); ++t) queue(t);
-    const std::uint64_t most_tries = kTriesPerTet * (queue_.size() + 1000);
-    for (std::uint64_t tries = 0; !queue_.empty() && tries < most_tries; ++tries) {
-      if (tries % kPollEvery == 0) context_.check_cancelled();
-      const Bad bad = queue_.top();
-      queue_.pop();
-      if (complex_.is_live(bad.tet) && complex_.version[bad.tet] == bad.version) attack(bad.tet, means);
-    }
-    queue_ = {};
-  }
-
-  std::size_t room() const { return most_ > complex_.live ? most_ - complex_.live : 0; }
-
- private:
-  void queue(Index tet) {
-    if (complex_.is_live(tet) && complex_.quality[tet] < target_) {
-      queue_.push({complex_.quality[tet], tet, complex_.version[tet]});
-    }
-  }
-  void queue_all(const std::vector<Index>& tets) {
-    for (const Index tet : tets) queue(tet);
-  }
-
-  bool smooth(Index point) {
-    if (!smoothing_.smooth(point, target_)) return false;
-    queue_all(smoothing_.star());
-    return true;
-  }
-
-  void attack(Index tet, unsigned means) {
-    if ((means & kRemove) != 0 && removal_.remove_any(tet, room())) return queue_all(complex_.placed);
-    const Tetrahedron corners = complex_.corners[tet];
-    const std::uint32_t version = complex_.version[tet];
-    const auto has_changed = [&] { return complex_.version[tet] != version; };
-    if ((means & kSmooth) != 0) {
-      for (const Index point : corners) {
-        if (smooth(point) && complex_.quality[tet] >= target_) return;
-      }
-      if (has_changed()) return;
-    }
-    if ((means & kInsert) != 0 && cavity_.insert(tet, target_, room(), price_)) {
-      const std::vector<Index> placed = complex_.placed;
-      queue_all(placed);
-      smooth_around(placed);
-      return;
-    }
-    if ((means & kSlide) == 0 || slide_ == nullptr) return;
-    for (const Index point : corners) {
-      if (complex_.is_on_wall[point] == 0 || !slide_->slide(point, target_)) continue;
-      queue_all(slide_->star());
-      return;
-    }
-  }
-
-  void smooth_around(const std::vector<Index>& placed) {
-    points_.clear();
-    for (const Index tet : placed)
-      points_.insert(points_.end(), complex_.corners[tet].begin(), complex_.corners[tet].end());
-    std::sort(points_.begin(), points_.end());
-    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
-    // The new point has the largest index.
-    for (std::size_t i = points_.size(); i-- > 0;) smooth(points_[i]);
-  }
-
-  TetComplex& complex_;
-  TetRemoval removal_;
-  TetSmoothing smoothing_;
-  TetCavity cavity_;
-  BoundarySlide* slide_;
-  const Context& context_;
-  std::size_t most_;
-  double target_ = 0, price_ = 0;
-  std::priority_queue<Bad> queue_;
-  std::vector<Index> points_;
-};
 
 void check_volumes(const TetMesh& mesh) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
@@ -275,24 +169,23 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
     }
     slide = std::make_unique<BoundarySlide>(complex, mesh.boundary, *reference, tolerance);
   }
-  Improver improver(complex, slide.get(), options.max_growth, context);
+  TetImprover improver(complex, slide.get(), options.max_growth, context);
   const double target = sine_of(options.target.degrees);
   const double first = std::min(target, sine_of(kFirstTarget));
-  const auto report = [&](const char* what) {
+  const auto work = [&](const char* what, const ImproveRound& round) {
+    improver.round(round);
     context.debug("improve.round", fmt::format("{}: {} tetrahedra, {:.2f} s", what, complex.live,
                                                std::chrono::duration<double>(Clock::now() - start).count()));
   };
-  improver.round(first, kRemove | kSmooth | kSlide);
-  report("without new points");
-  improver.round(target, kRemove | kSmooth | kInsert, kFirstPrice);
-  report("with insertion");
-  improver.round(first, kRemove | kSmooth | kInsert | kSlide);
-  report("with all means");
-  improver.round(target, kRemove | kSmooth | kInsert, kLaterPrice);
-  report("with insertion");
+  work("without new points", {first, false, 0, false, 0});
+  work("with sliding", {first, false, 0, true, kFirstGain});
+  work("with insertion", {target, true, kFirstPrice, false, 0});
+  work("with all means", {first, true, 0, true, kLaterGain});
+  work("with insertion", {target, true, kLaterPrice, false, 0});
+  improver.rescue(std::min(target, sine_of(kRescueLimit)));
   if (options.split_thin) {
     const std::size_t splits = split_thin_walls(complex, improver.room());
-    improver.round(target, kRemove | kSmooth);
+    improver.round({target, false, 0, false, 0});
     context.info("improve.split", fmt::format("{} edges across thin walls were split", splits));
   }
 

@@ -3,7 +3,7 @@
 // nearly flat. Worst first, a tetrahedron below the target is attacked by taking out its edges and faces
 // (tet_removal.h), by moving its points inside the body (tet_smoothing.h), by putting a new point into a
 // cavity around it (tet_cavity.h), and, if that is allowed, by sliding its points on the boundary
-// (boundary_slide.h). The measure is the smallest sine of the six dihedral angles (sine_quality.h), so angles
+// (slide_trial.h). The measure is the smallest sine of the six dihedral angles (sine_quality.h), so angles
 // near 0 and near 180 degrees are worked on alike; needles count as bad, too. No step is taken unless the
 // measure of the worst tetrahedron concerned rises: the worst of the mesh never gets worse.
 // After Klingner and Shewchuk, Aggressive tetrahedral mesh improvement (2007).
@@ -59,11 +59,11 @@ struct ImproveResult {
 // between regions do not slide. Without a tolerance (neither given nor known from a decimator) the boundary
 // stays fixed, and the log says so.
 //
-// A function of its arguments alone, the same bits for any number of threads (one is used). Linear in
-// practice: some 10 microseconds a tetrahedron that TetGen leaves, and up to two milliseconds a point that
-// slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality, "improve.inverted"} with the place, for a
-// tetrahedron without positive volume; {kUsage, "improve.no_voxel"} for a tolerance in voxels without an
-// image behind it; {kInterrupted}.
+// A function of its arguments alone, the same bits for any number of threads (which only sliding uses).
+// Linear in practice: some 5 microseconds a tetrahedron that TetGen leaves, and up to a millisecond a point
+// that slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality, "improve.inverted"} with the place,
+// for a tetrahedron without positive volume; {kUsage, "improve.no_voxel"} for a tolerance in voxels without
+// an image behind it; {kInterrupted}.
 ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,
                       const Context& context);
 

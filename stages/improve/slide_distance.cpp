@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kDeepestPatch = 7;
 constexpr std::size_t kNoTriangle = std::numeric_limits<std::size_t>::max();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Vec3 centre(const SlidePatch& p) {
   return (p[0] + p[1] + p[2]) / 3;
@@ -33,34 +34,32 @@ bool covers(const SlidePatch& facet, const SlidePatch& patch, double limit) {
          squared_distance(patch[2], facet) <= limit * limit;
 }
 
-template <class Body>
-bool all_quarters(const SlidePatch& p, Body body) {
+std::array<SlidePatch, 4> quarters(const SlidePatch& p) {
   const Vec3 ab = 0.5 * (p[0] + p[1]), bc = 0.5 * (p[1] + p[2]), ca = 0.5 * (p[2] + p[0]);
-  return body(SlidePatch{ab, bc, ca}) && body(SlidePatch{p[0], ab, ca}) && body(SlidePatch{ab, p[1], bc}) &&
-         body(SlidePatch{ca, bc, p[2]});
+  return {SlidePatch{ab, bc, ca}, SlidePatch{p[0], ab, ca}, SlidePatch{ab, p[1], bc},
+          SlidePatch{ca, bc, p[2]}};
 }
 
 // All of the patch lies within `limit` of the reference; false where that is not decided at the depth
-// allowed. `facet`: a triangle of the reference that may be near, or null. `offence` becomes where it is too
-// far.
+// allowed. `hit`: what is nearest to its centre. `offence` becomes where it is too far.
 bool is_within(const SlidePatch& patch, const SlideReference& reference, double limit,
-               const SlidePatch* facet, int depth, Vec3& offence) {
-  const Vec3 middle = centre(patch);
-  double known = limit;
-  if (facet != nullptr) {
-    if (covers(*facet, patch, limit)) return true;
+               const SlideReference::Hit& hit, int depth, Vec3& offence) {
+  if (hit.distance + radius_about(centre(patch), patch) <= limit || covers(hit.facet, patch, limit)) {
+    return true;
+  }
+  for (const SlidePatch& part : quarters(patch)) {
+    if (covers(hit.facet, part, limit)) continue;
     // A triangle known to be near makes the search for the nearest one short.
-    known = std::min(known, std::sqrt(squared_distance(middle, *facet)) * (1 + 1e-12));
+    const Vec3 middle = centre(part);
+    const double known = std::sqrt(squared_distance(middle, hit.facet)) * (1 + 1e-12);
+    const std::optional<SlideReference::Hit> nearest = reference.closest(middle, std::min(limit, known));
+    if (!nearest || depth + 1 == kDeepestPatch) {
+      offence = middle;
+      return false;
+    }
+    if (!is_within(part, reference, limit, *nearest, depth + 1, offence)) return false;
   }
-  const std::optional<SlideReference::Hit> hit = reference.closest(middle, known);
-  if (!hit || depth == kDeepestPatch) {
-    offence = middle;
-    return false;
-  }
-  if (hit->distance + radius_about(middle, patch) <= limit || covers(hit->facet, patch, limit)) return true;
-  return all_quarters(patch, [&](const SlidePatch& part) {
-    return is_within(part, reference, limit, &hit->facet, depth + 1, offence);
-  });
+  return true;
 }
 
 // Weights of the corners at a point in the patch's plane.
@@ -72,17 +71,29 @@ Vec3 barycentric(const SlidePatch& patch, Vec3 q) {
   return {1 - b - c, b, c};
 }
 
-SurfaceMesh surface_of(const std::vector<SlidePatch>& patches) {
-  SurfaceMesh surface;
-  for (const SlidePatch& patch : patches) {
-    const auto first = static_cast<Index>(surface.points.size());
-    surface.points.insert(surface.points.end(), patch.begin(), patch.end());
-    surface.triangles.push_back({first, first + 1, first + 2});
+// The nearest of the patches that is nearer than the square root of `least`, which becomes the square of its
+// distance; kNoTriangle without any.
+std::size_t nearest_patch(const BoxedPatches& patches, Vec3 p, double& least) {
+  std::size_t nearest = kNoTriangle;
+  for (std::size_t i = 0; i < patches.patch.size(); ++i) {
+    if (patches.box[i].squared_distance(p) >= least) continue;
+    const double squared = squared_distance(p, patches.patch[i]);
+    if (squared >= least) continue;
+    least = squared;
+    nearest = i;
   }
-  return surface;
+  return nearest;
 }
 
 }  // namespace
+
+void BoxedPatches::assign(const std::vector<SlidePatch>& patches) {
+  patch = patches;
+  box.assign(patches.size(), {});
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    for (const Vec3 corner : patches[i]) box[i].take(corner);
+  }
+}
 
 SlideReference::SlideReference(const Isosurface& isosurface)
     : isosurface_(&isosurface), surface_(isosurface.surface) {}
@@ -129,12 +140,12 @@ void SlideReference::near(const ImproveBox& box, std::vector<Index>& triangles) 
   }
 }
 
-void SlideDistance::begin(Vec3 point, std::vector<SlidePatch> star) {
+void SlideDistance::begin(Vec3 point, const std::vector<SlidePatch>& star) {
   point_ = point;
-  star_ = std::move(star);
+  star_.assign(star);
   offence_.reset();
   is_gathered_ = false;
-  rest_.reset();
+  has_rest_ = false;
 }
 
 bool SlideDistance::is_near(const std::vector<SlidePatch>& moved, Vec3 point) {
@@ -146,19 +157,24 @@ bool SlideDistance::is_near(const std::vector<SlidePatch>& moved, Vec3 point) {
     const Vec3 again = offence_->x * patch[0] + offence_->y * patch[1] + offence_->z * patch[2];
     if (!reference_.closest(again, limit_)) return false;
   }
-  for (const SlidePatch& patch : moved) {
-    if (!all_quarters(patch, [&](const SlidePatch& part) {
-          return reference_.closest(centre(part), limit_).has_value();
-        })) {
-      return false;
+  quarter_hits_.resize(moved.size());
+  for (std::size_t t = 0; t < moved.size(); ++t) {
+    const std::array<SlidePatch, 4> parts = quarters(moved[t]);
+    for (std::size_t q = 0; q < parts.size(); ++q) {
+      const std::optional<SlideReference::Hit> hit = reference_.closest(centre(parts[q]), limit_);
+      if (!hit) return false;
+      quarter_hits_[t][q] = *hit;
     }
   }
   for (std::size_t t = 0; t < moved.size(); ++t) {
-    Vec3 place;
-    if (is_within(moved[t], reference_, limit_, nullptr, 0, place)) continue;
-    offender_ = t;
-    offence_ = barycentric(moved[t], place);
-    return false;
+    const std::array<SlidePatch, 4> parts = quarters(moved[t]);
+    for (std::size_t q = 0; q < parts.size(); ++q) {
+      Vec3 place;
+      if (is_within(parts[q], reference_, limit_, quarter_hits_[t][q], 1, place)) continue;
+      offender_ = t;
+      offence_ = barycentric(moved[t], place);
+      return false;
+    }
   }
   return true;
 }
@@ -168,7 +184,7 @@ void SlideDistance::gather() {
   facets_.clear();
   ImproveBox box;
   double radius = 0;
-  for (const SlidePatch& patch : star_) {
+  for (const SlidePatch& patch : star_.patch) {
     for (const Vec3 corner : patch) {
       box.take(corner);
       radius = std::max(radius, distance(corner, point_));
@@ -183,66 +199,51 @@ void SlideDistance::gather() {
     const Vec3 middle = centre(patch);
     const double reach = limit_ + radius_about(middle, patch), far = radius + reach;
     if (squared_norm(middle - point_) > far * far) continue;
-    std::size_t nearest = kNoTriangle;
-    double least = reach * reach;
-    for (std::size_t i = 0; i < star_.size(); ++i) {
-      const double squared = squared_distance(middle, star_[i]);
-      if (squared > least) continue;
-      least = squared;
-      nearest = i;
-    }
-    if (nearest != kNoTriangle) facets_.push_back({patch, nearest, kNoIndex});
+    double least = std::nextafter(reach * reach, kInfinity);
+    const std::size_t nearest = nearest_patch(star_, middle, least);
+    if (nearest != kNoTriangle) facets_.push_back({patch, nearest, kNoTriangle});
   }
 }
 
 bool SlideDistance::is_covered(const std::vector<SlidePatch>& moved, const std::vector<SlidePatch>& rest) {
   if (!is_gathered_) gather();
-  if (!rest_) rest_.emplace(surface_of(rest), Context{});
+  moved_.assign(moved);
+  if (!has_rest_) rest_.assign(rest);
+  has_rest_ = true;
   for (std::size_t i = 0; i < facets_.size(); ++i) {
-    if (is_covered(facets_[i], moved)) continue;
+    if (is_covered(facets_[i])) continue;
     std::swap(facets_[0], facets_[i]);  // likely to fail the next time, too
     return false;
   }
   return true;
 }
 
-bool SlideDistance::is_covered(Facet& facet, const std::vector<SlidePatch>& moved) const {
-  if (covers(moved[facet.near_star], facet.patch, limit_)) return true;
-  if (!rest_->is_empty()) {
-    if (facet.near_rest == kNoIndex) facet.near_rest = rest_->closest(centre(facet.patch)).slot;
-    if (covers(rest_->corners(facet.near_rest), facet.patch, limit_)) return true;
+bool SlideDistance::is_covered(Facet& facet) const {
+  if (covers(moved_.patch[facet.near_star], facet.patch, limit_)) return true;
+  if (facet.near_rest == kNoTriangle) {
+    double least = kInfinity;
+    facet.near_rest = nearest_patch(rest_, centre(facet.patch), least);
   }
-  return is_part_covered(facet.patch, moved, 0);
+  if (facet.near_rest != kNoTriangle && covers(rest_.patch[facet.near_rest], facet.patch, limit_)) {
+    return true;
+  }
+  return is_part_covered(facet.patch, 0);
 }
 
-bool SlideDistance::is_part_covered(const SlidePatch& part, const std::vector<SlidePatch>& moved,
-                                    int depth) const {
+bool SlideDistance::is_part_covered(const SlidePatch& part, int depth) const {
   const Vec3 middle = centre(part);
-  const SlidePatch* nearest = nullptr;
-  double least = std::numeric_limits<double>::infinity();
-  for (const SlidePatch& triangle : moved) {
-    const double squared = squared_distance(middle, triangle);
-    if (squared >= least) continue;
-    least = squared;
-    nearest = &triangle;
-  }
-  if (!rest_->is_empty()) {
-    const SpatialSearch::Hit hit = rest_->closest(middle);
-    if (hit.squared_distance < least) {
-      least = hit.squared_distance;
-      nearest = &rest_->corners(hit.slot);
-    }
-  }
+  double least = kInfinity;
+  const std::size_t of_moved = nearest_patch(moved_, middle, least);
+  const std::size_t of_rest = nearest_patch(rest_, middle, least);
+  const SlidePatch& nearest = of_rest != kNoTriangle ? rest_.patch[of_rest] : moved_.patch[of_moved];
   const double radius = radius_about(middle, part);
-  if (std::sqrt(least) + radius <= limit_ || covers(*nearest, part, limit_)) return true;
-  const double reach = limit_ + radius;
-  const bool was_near = std::any_of(star_.begin(), star_.end(), [&](const SlidePatch& triangle) {
-    return squared_distance(middle, triangle) <= reach * reach;
-  });
-  if (!was_near) return true;
+  if (std::sqrt(least) + radius <= limit_ || covers(nearest, part, limit_)) return true;
+  double reach = std::nextafter((limit_ + radius) * (limit_ + radius), kInfinity);
+  if (nearest_patch(star_, middle, reach) == kNoTriangle) return true;
   if (depth == kDeepestPatch) return false;
-  return all_quarters(part,
-                      [&](const SlidePatch& quarter) { return is_part_covered(quarter, moved, depth + 1); });
+  const std::array<SlidePatch, 4> parts = quarters(part);
+  return std::all_of(parts.begin(), parts.end(),
+                     [&](const SlidePatch& quarter) { return is_part_covered(quarter, depth + 1); });
 }
 
 }  // namespace periost

@@ -40,13 +40,20 @@ class SlideReference {
 // The corners of a triangle, or of a part of one.
 using SlidePatch = std::array<Vec3, 3>;
 
+// Triangles with their boxes, for many searches of the nearest.
+struct BoxedPatches {
+  std::vector<SlidePatch> patch;
+  std::vector<ImproveBox> box;
+  void assign(const std::vector<SlidePatch>& patches);
+};
+
 class SlideDistance {
  public:
   // The reference must live on.
   SlideDistance(const SlideReference& reference, double limit_mm) : reference_(reference), limit_(limit_mm) {}
 
   // The triangles at the point, before it moves. What is asked next is about moves of this point.
-  void begin(Vec3 point, std::vector<SlidePatch> star);
+  void begin(Vec3 point, const std::vector<SlidePatch>& star);
 
   // All of the moved triangles lies within the limit of the reference. A false may be due to the depth to
   // which parts are looked at.
@@ -61,23 +68,25 @@ class SlideDistance {
   struct Facet {  // of the reference
     SlidePatch patch;
     std::size_t near_star;  // the triangle of the star that is likely to cover it
-    Index near_rest;        // slot of the triangle of the rest that is
+    std::size_t near_rest;  // the triangle of the rest that is
   };
   void gather();
-  bool is_covered(Facet& facet, const std::vector<SlidePatch>& moved) const;
-  bool is_part_covered(const SlidePatch& part, const std::vector<SlidePatch>& moved, int depth) const;
+  bool is_covered(Facet& facet) const;
+  bool is_part_covered(const SlidePatch& part, int depth) const;
 
   const SlideReference& reference_;
   double limit_;
   Vec3 point_;
-  std::vector<SlidePatch> star_;
+  BoxedPatches star_, moved_;
   // Where a moved triangle was too far last time.
   std::size_t offender_ = 0;
   std::optional<Vec3> offence_;  // weights of its corners
   bool is_gathered_ = false;
   std::vector<Index> near_;
   std::vector<Facet> facets_;  // those that the star may be near to
-  std::optional<SpatialSearch> rest_;
+  bool has_rest_ = false;
+  BoxedPatches rest_;
+  std::vector<std::array<SlideReference::Hit, 4>> quarter_hits_;  // of the moved triangles
 };
 
 }  // namespace periost

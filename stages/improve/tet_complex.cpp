@@ -90,16 +90,17 @@ bool TetComplex::mark(Index tet) {
   return true;
 }
 
-void TetComplex::star(Index point, std::vector<Index>& tets) {
-  clear_marks();
+void TetComplex::star(Index point, std::vector<Index>& tets) const {
   tets.assign(1, tet_at[point]);
-  mark(tets[0]);
   for (std::size_t i = 0; i < tets.size(); ++i) {
     const Index tet = tets[i];
     for (std::size_t side = 0; side < 4; ++side) {
       if (corners[tet][side] == point) continue;
       const Index other = neighbours[tet][side];
-      if (other != kNoIndex && mark(other)) tets.push_back(other);
+      // Stars are small: looking through one is faster than marks.
+      if (other != kNoIndex && std::find(tets.begin(), tets.end(), other) == tets.end()) {
+        tets.push_back(other);
+      }
     }
   }
 }

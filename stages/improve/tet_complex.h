@@ -48,7 +48,7 @@ class TetComplex {
   TetFan fan(Index tet, int corner) const;
 
   // The tetrahedra around a point, joined across faces that are no walls. Precondition: the point is used.
-  void star(Index point, std::vector<Index>& tets);
+  void star(Index point, std::vector<Index>& tets) const;
 
   // The ring of an edge that is on no wall: tetrahedra in turn, right-handed about a -> b, and the points
   // around, ring[i] and ring[i + 1] in tets[i]. False when it meets a wall or is longer than `longest`.

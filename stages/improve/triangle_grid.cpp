@@ -16,11 +16,6 @@ ImproveBox box_of(const std::vector<Vec3>& points, const Triangle& triangle) {
 
 }  // namespace
 
-void ImproveBox::take(Vec3 p) {
-  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-}
-
 void ImproveBox::widen(double margin) {
   low = low - Vec3{margin, margin, margin};
   high = high + Vec3{margin, margin, margin};
@@ -63,6 +58,11 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
   entries_.resize(first_[cells]);
   std::vector<Index> next(first_.begin(), first_.end() - 1);
   visit([&](std::size_t c, Index t) { entries_[next[c]++] = t; });
+  low_.reserve(triangles.size());
+  for (const Triangle& triangle : triangles) {
+    const Range range = cells_of(box_of(points, triangle));
+    low_.push_back({range.low[0], range.low[1], range.low[2]});
+  }
 }
 
 TriangleGrid::Range TriangleGrid::cells_of(const ImproveBox& box) const {
@@ -90,12 +90,17 @@ void TriangleGrid::find(const ImproveBox& box, std::vector<Index>& triangles) co
     for (int j = range.low[1]; j <= range.high[1]; ++j) {
       for (int i = range.low[0]; i <= range.high[0]; ++i) {
         const std::size_t c = cell(i, j, k);
-        triangles.insert(triangles.end(), entries_.begin() + first_[c], entries_.begin() + first_[c + 1]);
+        for (Index e = first_[c]; e < first_[c + 1]; ++e) {
+          // A triangle is told of in the first of the cells that both it and the box meet.
+          const auto& low = low_[entries_[e]];
+          if (i == std::max(low[0], range.low[0]) && j == std::max(low[1], range.low[1]) &&
+              k == std::max(low[2], range.low[2])) {
+            triangles.push_back(entries_[e]);
+          }
+        }
       }
     }
   }
-  std::sort(triangles.begin(), triangles.end());
-  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
 }
 
 }  // namespace periost

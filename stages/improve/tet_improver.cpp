@@ -1,0 +1,193 @@
+#include "stages/improve/tet_improver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/base/parallel.h"
+#include "pipeline/base/quantity.h"
+
+namespace periost {
+namespace {
+
+constexpr std::uint64_t kTriesPerTet = 30;  // then a round ends, whatever is left
+constexpr std::uint64_t kPollEvery = 256;
+constexpr std::size_t kGroup = 32;  // trials side by side
+constexpr int kRescues = 3;         // times over all that is left
+constexpr double kRescueGain = 0.003;
+constexpr double kRescueTarget = 0.6428;    // 40 degrees
+constexpr std::size_t kFewestRescued = 50;  // and a thousandth of all
+constexpr std::size_t kTetsPerRescue = 1000;
+
+}  // namespace
+
+TetImprover::TetImprover(TetComplex& complex, BoundarySlide* slide, double max_growth, const Context& context)
+    : complex_(complex),
+      removal_(complex),
+      smoothing_(complex),
+      cavity_(complex),
+      slide_(slide),
+      context_(context),
+      most_(static_cast<std::size_t>(static_cast<double>(complex.live) * (1 + max_growth))) {
+  while (slide != nullptr && trials_.size() < kGroup) trials_.emplace_back(*slide);
+}
+
+void TetImprover::queue(Index tet) {
+  if (complex_.is_live(tet) && complex_.quality[tet] < round_.target) {
+    queue_.push({complex_.quality[tet], tet, complex_.version[tet]});
+  }
+}
+
+void TetImprover::queue_all(const std::vector<Index>& tets) {
+  for (const Index tet : tets) queue(tet);
+}
+
+void TetImprover::round(const ImproveRound& round) {
+  round_ = round;
+  for (Index t = 0; t < complex_.corners.size(); ++t) queue(t);
+  drain();
+}
+
+void TetImprover::drain() {
+  const std::uint64_t most_tries = kTriesPerTet * (queue_.size() + 1000);
+  const bool is_sliding = round_.is_sliding && slide_ != nullptr;
+  group_.clear();
+  for (std::uint64_t tries = 0; tries < most_tries; ++tries) {
+    if (tries % kPollEvery == 0) context_.check_cancelled();
+    if (queue_.empty() || group_.size() == kGroup) {
+      if (group_.empty()) break;
+      slide_group();
+      continue;
+    }
+    const Bad bad = queue_.top();
+    queue_.pop();
+    if (is_current(bad) && !attack(bad.tet) && is_sliding) group_.push_back(bad);
+  }
+  queue_ = {};
+}
+
+bool TetImprover::smooth(Index point) {
+  if (!smoothing_.smooth(point, round_.target)) return false;
+  queue_all(smoothing_.star());
+  return true;
+}
+
+// All means but sliding; false where none of them changes the tetrahedron.
+bool TetImprover::attack(Index tet) {
+  if (removal_.remove_any(tet, room())) {
+    queue_all(complex_.placed);
+    return true;
+  }
+  const Tetrahedron corners = complex_.corners[tet];
+  const std::uint32_t version = complex_.version[tet];
+  for (const Index point : corners) {
+    if (smooth(point) && complex_.quality[tet] >= round_.target) return true;
+  }
+  if (complex_.version[tet] != version) return true;
+  if (!round_.is_inserting || !cavity_.insert(tet, round_.target, room(), round_.price)) return false;
+  const std::vector<Index> placed = complex_.placed;
+  queue_all(placed);
+  smooth_around(placed);
+  return true;
+}
+
+void TetImprover::smooth_around(const std::vector<Index>& placed) {
+  points_.clear();
+  for (const Index tet : placed) {
+    points_.insert(points_.end(), complex_.corners[tet].begin(), complex_.corners[tet].end());
+  }
+  std::sort(points_.begin(), points_.end());
+  points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+  // The new point has the largest index.
+  for (std::size_t i = points_.size(); i-- > 0;) smooth(points_[i]);
+}
+
+bool TetImprover::try_corners(SlideTrial& trial, Index tet) const {
+  return std::any_of(complex_.corners[tet].begin(), complex_.corners[tet].end(), [&](Index point) {
+    return complex_.is_on_wall[point] != 0 && trial.climb_to(point, round_.target, round_.gain);
+  });
+}
+
+// Tries those of the group that do not depend on each other, side by side; makes the moves that were found;
+// keeps the others for the next time.
+void TetImprover::slide_group() {
+  std::vector<Bad> later;
+  std::size_t count = 0;
+  reach_.clear();
+  for (const Bad& bad : group_) {
+    if (!is_current(bad)) continue;
+    const ImproveBox box = slide_->reach(bad.tet);
+    if (std::any_of(reach_.begin(), reach_.end(),
+                    [&](const ImproveBox& other) { return other.meets(box); })) {
+      later.push_back(bad);
+      continue;
+    }
+    reach_.push_back(box);
+    group_[count++] = bad;
+  }
+  std::vector<std::uint8_t> is_found(count, 0);
+  parallel_for(context_, count,
+               [&](std::size_t i) { is_found[i] = try_corners(trials_[i], group_[i].tet) ? 1 : 0; });
+  for (std::size_t i = 0; i < count; ++i) {
+    if (is_found[i] == 0) continue;
+    slide_->make(trials_[i].move());
+    queue_all(trials_[i].move().star);
+  }
+  group_ = std::move(later);
+}
+
+std::vector<TetImprover::Bad> TetImprover::worst(double limit) const {
+  std::vector<Bad> result;
+  for (Index t = 0; t < complex_.corners.size(); ++t) {
+    if (complex_.is_live(t) && complex_.quality[t] < limit) {
+      result.push_back({complex_.quality[t], t, complex_.version[t]});
+    }
+  }
+  std::sort(result.begin(), result.end(), [](const Bad& a, const Bad& b) { return b < a; });
+  result.resize(std::min(result.size(), kFewestRescued + complex_.live / kTetsPerRescue));
+  return result;
+}
+
+// The corners of all tetrahedra at a tetrahedron's corners, ascending.
+std::vector<Index> TetImprover::points_around(Index tet) const {
+  std::vector<Index> points, star;
+  for (const Index corner : complex_.corners[tet]) {
+    complex_.star(corner, star);
+    for (const Index other : star) {
+      points.insert(points.end(), complex_.corners[other].begin(), complex_.corners[other].end());
+    }
+  }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+void TetImprover::rescue(Index tet, double limit) {
+  const std::vector<Index> points = points_around(tet);
+  round_ = {kRescueTarget, true, 0, true, kRescueGain};
+  for (const Index point : points) {
+    if (complex_.is_on_wall[point] == 0) {
+      smoothing_.smooth(point, kRescueTarget);
+    } else if (slide_ != nullptr && (trials_[0].climb_to(point, kRescueTarget, kRescueGain) ||
+                                     trials_[0].search(point, kRescueTarget, kRescueGain))) {
+      slide_->make(trials_[0].move());
+    }
+  }
+  round_.target = limit;
+  std::vector<Index> star;
+  for (const Index point : points) {
+    complex_.star(point, star);
+    queue_all(star);
+  }
+  drain();
+}
+
+void TetImprover::rescue(double limit) {
+  for (int time = 0; time < kRescues; ++time) {
+    for (const Bad& bad : worst(limit)) {
+      context_.check_cancelled();
+      if (is_current(bad)) rescue(bad.tet, limit);
+    }
+  }
+}
+
+}  // namespace periost
