@@ -227,10 +227,11 @@ bool SlideDistance::is_covered(Facet& facet) const {
   if (facet.near_rest != kNoTriangle && covers(rest_.patch[facet.near_rest], facet.patch, limit_)) {
     return true;
   }
-  return is_part_covered(facet.patch, 0);
+  return is_part_covered(facet.patch, nullptr, 0);
 }
 
-bool SlideDistance::is_part_covered(const SlidePatch& part, int depth) const {
+bool SlideDistance::is_part_covered(const SlidePatch& part, const SlidePatch* hint, int depth) const {
+  if (hint != nullptr && covers(*hint, part, limit_)) return true;
   const Vec3 middle = centre(part);
   double least = kInfinity;
   const std::size_t of_moved = nearest_patch(moved_, middle, least);
@@ -242,8 +243,9 @@ bool SlideDistance::is_part_covered(const SlidePatch& part, int depth) const {
   if (nearest_patch(star_, middle, reach) == kNoTriangle) return true;
   if (depth == kDeepestPatch) return false;
   const std::array<SlidePatch, 4> parts = quarters(part);
-  return std::all_of(parts.begin(), parts.end(),
-                     [&](const SlidePatch& quarter) { return is_part_covered(quarter, depth + 1); });
+  return std::all_of(parts.begin(), parts.end(), [&](const SlidePatch& quarter) {
+    return is_part_covered(quarter, &nearest, depth + 1);
+  });
 }
 
 }  // namespace periost

@@ -72,7 +72,8 @@ class SlideDistance {
   };
   void gather();
   bool is_covered(Facet& facet) const;
-  bool is_part_covered(const SlidePatch& part, int depth) const;
+  // `hint`: a triangle that is likely to cover the part, or null.
+  bool is_part_covered(const SlidePatch& part, const SlidePatch* hint, int depth) const;
 
   const SlideReference& reference_;
   double limit_;

@@ -163,12 +163,17 @@ std::vector<Index> TetImprover::points_around(Index tet) const {
 
 void TetImprover::rescue(Index tet, double limit) {
   const std::vector<Index> points = points_around(tet);
+  const Tetrahedron corners = complex_.corners[tet];
+  const auto is_corner = [&](Index point) {
+    return std::find(corners.begin(), corners.end(), point) != corners.end();
+  };
   round_ = {kRescueTarget, true, 0, true, kRescueGain};
   for (const Index point : points) {
     if (complex_.is_on_wall[point] == 0) {
       smoothing_.smooth(point, kRescueTarget);
-    } else if (slide_ != nullptr && (trials_[0].climb_to(point, kRescueTarget, kRescueGain) ||
-                                     trials_[0].search(point, kRescueTarget, kRescueGain))) {
+    } else if (slide_ != nullptr &&
+               (trials_[0].climb_to(point, kRescueTarget, kRescueGain) ||
+                (is_corner(point) && trials_[0].search(point, kRescueTarget, kRescueGain)))) {
       slide_->make(trials_[0].move());
     }
   }
