@@ -130,7 +130,7 @@ class Renewal {
       scratch_.stamp[v] = scratch_.tick;
       scratch_.known[v] = scratch_.mask[v] = 0;
       if (const RingScratch::Foot* const foot = ring_ ? ring_->find_foot(v) : nullptr) {
-        scratch_.known[v] = scratch_.mask[v] = foot->cell & ~ring_->unproved;
+        if (!foot->is_high) scratch_.known[v] = scratch_.mask[v] = foot->cell;
       }
     }
     const std::uint64_t missing = wanted & ~scratch_.known[v];

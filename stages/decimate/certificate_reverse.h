@@ -63,8 +63,8 @@ struct ReverseScratch {
   std::uint32_t tick = 0;
 };
 
-// `around`: the triangles that share a vertex with the ring but are not in it. `ring`: what the overlay
-// proved of this proposal within the tolerance, null when nothing. Nothing is changed but the scratch. Sound,
+// `around`: the triangles that share a vertex with the ring but are not in it. `ring`: a complete overlay of
+// this proposal, null when there is none. Nothing is changed but the scratch. Sound,
 // not complete. `tolerance` in mm.
 bool certify_reverse(const Reference& reference, const CertifiedMesh& mesh, const ReverseProofs& proofs,
                      const Proposal& proposal, const std::vector<Index>& around, const RingScratch* ring,

@@ -173,9 +173,11 @@ class FanOverlay {
     if (seed == kNoIndex) return Answer::kUnknown;
     push(seed);
     for (std::size_t i = 0; i < scratch_.visits.size(); ++i) {
-      if (!visit(i)) return Answer::kUnknown;
+      const bool goes_on = visit(i);
       if (is_refuted_) return Answer::kRefuted;
+      if (!goes_on) return Answer::kUnknown;
     }
+    scratch_.is_complete = true;
     if (degree_ < 1) return Answer::kUnknown;
     return Answer::kProved;
   }
@@ -185,7 +187,6 @@ class FanOverlay {
 
   void reset() {
     scratch_.visits.clear();
-    scratch_.unproved = 0;
     if (scratch_.foot_of.empty() || ++scratch_.tick == 0) {
       scratch_.foot_of.assign(reference_.points.size(), {});
       scratch_.visit_of.assign(reference_.triangles.size(), {});
@@ -219,19 +220,21 @@ class FanOverlay {
   std::uint32_t push(Index t) {
     const auto number = static_cast<std::uint32_t>(scratch_.visits.size());
     scratch_.visit_of[t] = {scratch_.tick, number};
-    scratch_.visits.push_back({t, 0, false, {}});
+    scratch_.visits.push_back({t, 0, false, false, {}});
     return number;
   }
 
   // A corner of the overlay with these new triangles. One that is too high leaves them open, and whether they
-  // are within the tolerance all the same is asked at once: most moves that fail end here.
-  void note(std::uint32_t cells, double height) {
-    if (std::abs(height) <= tolerance_ || (cells & ~scratch_.unproved) == 0) return;
+  // are within the tolerance all the same is asked at once: most moves that fail end here. True when it is
+  // too high.
+  bool note(std::uint32_t cells, double height) {
+    if (std::abs(height) <= tolerance_) return false;
     for (std::uint32_t left = cells & ~scratch_.unproved; left != 0 && !is_refuted_; left &= left - 1) {
       const LinkedTriangle& cell = proposal_.cells[static_cast<std::size_t>(std::countr_zero(left))];
       is_refuted_ = !certify_forward(reference_, dual_triangle(mesh_, proposal_, cell), tolerance_, forward_);
     }
     scratch_.unproved |= cells;
+    return true;
   }
 
   // The vertex in the fan's frame, and over which new triangle it lies.
@@ -254,18 +257,19 @@ class FanOverlay {
     }
     foot.sides = sides;
     foot.cell = 0;
+    foot.is_high = false;
     for (std::size_t j = 0; j < fan_.cells; ++j) {
       const std::uint32_t inside = (sides >> fan_.cell[j].a) & ~(sides >> fan_.cell[j].b) & 1u;
       if ((inside & (sides >> (fan_.spokes + j))) == 0) continue;
       foot.cell = 1u << j;
-      note(foot.cell, q.z - fan_.height(j, {q.x, q.y}));
+      foot.is_high = note(foot.cell, q.z - fan_.height(j, {q.x, q.y}));
       break;
     }
     return number;
   }
 
   // The crossings of an isosurface edge with the fan's; whether its shadow meets the fan's.
-  bool cross_lines(const Foot& a, const Foot& b, std::uint32_t& cells, bool& leaves) {
+  bool cross_lines(const Foot& a, const Foot& b, RingScratch::Visit& seen) {
     bool meets = a.cell != 0 || b.cell != 0;
     for (std::uint32_t left = a.sides ^ b.sides; left != 0; left &= left - 1) {
       const auto l = static_cast<std::size_t>(std::countr_zero(left));
@@ -276,9 +280,9 @@ class FanOverlay {
       const double w = (d.x * line.along.x + d.y * line.along.y) * line.per_squared_length;
       if (w < -kBeyondEnd || w > 1 + kBeyondEnd) continue;
       meets = true;
-      cells |= line.cells;
-      leaves = leaves || line.is_border;
-      note(line.cells, a.z + t * (b.z - a.z) - (line.height + w * line.rise));
+      seen.cells |= line.cells;
+      seen.leaves = seen.leaves || line.is_border;
+      if (note(line.cells, a.z + t * (b.z - a.z) - (line.height + w * line.rise))) seen.is_high = true;
     }
     return meets;
   }
@@ -310,7 +314,7 @@ class FanOverlay {
       const std::uint32_t all_cells = (1u << fan_.cells) - 1;
       visit.cells |= all_cells;
       visit.leaves = visit.leaves || fan_.spokes != fan_.cells;
-      note(all_cells, height);
+      visit.is_high = note(all_cells, height) || visit.is_high;
     }
     for (std::size_t i = 0; i < fan_.spokes; ++i) {
       if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i]) continue;
@@ -318,7 +322,7 @@ class FanOverlay {
       if (!height_at(f, p, height, orientation)) continue;
       visit.cells |= fan_.cells_at[i];
       visit.leaves = true;
-      note(fan_.cells_at[i], height - fan_.rim[i].z);
+      visit.is_high = note(fan_.cells_at[i], height - fan_.rim[i].z) || visit.is_high;
     }
     if ((visit.cells & 1u) != 0 && height_at(f, probe_, height, orientation)) degree_ += orientation;
   }
@@ -338,13 +342,13 @@ class FanOverlay {
       const RingScratch::Mark known = next == kNoIndex ? RingScratch::Mark{} : scratch_.visit_of[next];
       const bool is_known = known.stamp == scratch_.tick;
       if (is_known && known.at < i) continue;  // looked at from there
-      std::uint32_t cells = 0;
-      bool leaves = false;
-      if (!cross_lines(*f[(k + 1) % 3], *f[(k + 2) % 3], cells, leaves)) continue;
+      RingScratch::Visit seen{};
+      if (!cross_lines(*f[(k + 1) % 3], *f[(k + 2) % 3], seen)) continue;
       if (next == kNoIndex || scratch_.visits.size() > kFanFlood) return false;
       for (const std::size_t j : {i, std::size_t{is_known ? known.at : push(next)}}) {
-        scratch_.visits[j].cells |= cells;
-        scratch_.visits[j].leaves = scratch_.visits[j].leaves || leaves;
+        scratch_.visits[j].cells |= seen.cells;
+        scratch_.visits[j].leaves = scratch_.visits[j].leaves || seen.leaves;
+        scratch_.visits[j].is_high = scratch_.visits[j].is_high || seen.is_high;
       }
     }
     place_fan_vertices(scratch_.visits[i], f);
@@ -377,6 +381,8 @@ DualTriangle dual_triangle(const CertifiedMesh& mesh, const Proposal& proposal, 
 
 Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
                     double tolerance, ForwardScratch& forward, RingScratch& scratch) {
+  scratch.unproved = 0;
+  scratch.is_complete = false;
   Fan fan;
   if (!make_fan(mesh, proposal, fan)) return Answer::kUnknown;
   const Index start = proposal.nearest_of(mesh, apex_of(proposal));
@@ -385,12 +391,10 @@ Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const
 
 bool is_covered_by_ring(const Proposal& proposal, const RingScratch& scratch, Index s, ReverseProof& proof) {
   const RingScratch::Visit* const visit = scratch.find_visit(s);
-  if (!visit || visit->leaves || (visit->cells & scratch.unproved) != 0 || std::popcount(visit->cells) > 4) {
-    return false;
-  }
+  if (!visit || visit->leaves || visit->is_high || std::popcount(visit->cells) > 4) return false;
   std::uint32_t home = 0;
   for (const std::uint32_t number : visit->foot) {
-    if (scratch.feet[number].cell == 0) return false;
+    if (scratch.feet[number].cell == 0 || scratch.feet[number].is_high) return false;
     home = scratch.feet[number].cell;
   }
   const auto id = [&](std::uint32_t bit) {

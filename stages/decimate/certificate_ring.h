@@ -15,9 +15,10 @@
 // collected one over or under it. So a new triangle is within the tolerance of the isosurface if the heights
 // at all corners of its overlay are.
 //
-// Reverse. An isosurface triangle whose shadow lies in the fan's, so that none of its overlay's corners lies
-// on the fan's border or beyond, is covered by the new triangles that it overlaps; it is within the tolerance
-// of these if the heights at all corners of theirs are.
+// Reverse. An isosurface triangle whose shadow lies in the fan's, so that none of its own corners of the
+// overlay lies on the fan's border or beyond, is covered by the new triangles that it overlaps; it is within
+// the tolerance of these if the heights at its own corners are. The degree does not matter here: where a thin
+// body folds back under the fan it is 0, and the forward proof fails, but not this one.
 //
 // Decisions are made in floating point. A crossing that is missed lies within rounding of one that is not, so
 // the error in distance is of the order of 1e-12 of the sizes concerned, and is part of what callers keep of
@@ -45,12 +46,14 @@ struct RingScratch {
     double x, y, z;
     std::uint32_t sides;                     // bit l: left of line l
     std::uint32_t cell;                      // the new triangle that it is over, as a bit; 0: none
+    bool is_high;                            // further than the tolerance from it
     std::array<double, 2 * kMaxFan> offset;  // from line l, times its length
   };
   struct Visit {
     Index triangle;       // of the isosurface
     std::uint32_t cells;  // new triangles that it overlaps
     bool leaves;          // perhaps not covered by the fan
+    bool is_high;         // further than the tolerance from it at a corner of the overlay
     std::array<std::uint32_t, 3> foot;
   };
   std::vector<Foot> feet;
@@ -63,6 +66,7 @@ struct RingScratch {
   std::vector<Mark> visit_of;  // of isosurface triangles
   std::uint32_t tick = 0;
   std::uint32_t unproved = 0;  // bit j: the j-th new triangle is too high somewhere
+  bool is_complete = false;    // all isosurface triangles under the fan were visited
 
   // Null when the overlay did not come by.
   const Foot* find_foot(Index vertex) const {
@@ -76,9 +80,9 @@ struct RingScratch {
 // A new triangle with what is stored at its corners.
 DualTriangle dual_triangle(const CertifiedMesh& mesh, const Proposal& proposal, const LinkedTriangle& cell);
 
-// kProved: all new triangles are within the tolerance of the isosurface; those in scratch.unproved not by
-// their heights but by certify_forward, which is asked of each that is too high somewhere. kRefuted: it could
-// not prove one. kUnknown: the overlay cannot be made. `proposal` has its place and place_nearest;
+// kProved: all new triangles are within the tolerance of the isosurface. kRefuted: it could not prove one.
+// kUnknown: only those in scratch.unproved are, which are too high somewhere: these are proved not by their
+// heights but by certify_forward. `proposal` has its place and place_nearest;
 // `tolerance` in mm. Sound, not complete. Time is linear in the isosurface triangles under the ring.
 Answer certify_ring(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
                     double tolerance, ForwardScratch& forward, RingScratch& scratch);

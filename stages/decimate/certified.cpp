@@ -23,14 +23,14 @@
 namespace periost {
 namespace {
 
-constexpr double kRounding = 1e-4;    // part of the tolerance kept for rounding
-constexpr double kNoticedStep = 0.1;  // tolerances
-constexpr int kSheetSide = 4;         // voxels
-constexpr int kStages = 6;            // removal stages by cost
-constexpr int kFinalRounds = 12;      // removals of any cost, each with mending, after the last stage
-constexpr double kWorthwhile = 0.01;  // part of the triangles that a final round must remove to go on
-constexpr double kAim = 1.3;          // times the least angle: what mending aims at between removals
-constexpr int kStepsAtOnce = 2;       // of the law of motion, before the checks are asked
+constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
+constexpr double kNoticedStep = 0.1;   // tolerances
+constexpr int kSheetSide = 4;          // voxels
+constexpr int kStages = 6;             // removal stages by cost
+constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
+constexpr double kWorthwhile = 0.015;  // part of the triangles that a final round must remove to go on
+constexpr double kAim = 1.3;           // times the least angle: what mending aims at between removals
+constexpr int kStepsAtOnce = 2;        // of the law of motion, before the checks are asked
 constexpr int kFits = 3;
 constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
 constexpr int kSliverSweeps = 3;
@@ -233,13 +233,13 @@ class Schedule {
 
   // Until the surface encloses what it did at first, or nearly.
   void fit() {
-    double mean = lost_height();
-    for (int round = 0; round < kFits; ++round) {
+    const int rounds = is_border_locked_ ? kFits : 1;
+    for (int round = 0; round < rounds; ++round) {
+      const double mean = lost_height();
+      if (is_border_locked_ && std::abs(mean) < kLeastMean * state_.tolerance) break;
       sweep(kTopologySlack, [mean](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         fit_pass(state, worker, vertices, mean);
       });
-      mean = lost_height();
-      if (std::abs(mean) < kLeastMean * state_.tolerance) break;
     }
   }
 

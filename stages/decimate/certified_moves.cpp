@@ -62,13 +62,21 @@ bool locate(const CertifiedState& state, const Worker& worker, Proposal& proposa
 }
 
 // By the overlay of the whole ring or, where that cannot be made, triangle by triangle.
-bool is_forward_certified(const CertifiedState& state, Worker& worker, Answer ring) {
-  if (ring != Answer::kUnknown) return ring == Answer::kProved;
+bool is_forward_certified(const CertifiedState& state, Worker& worker, FirstAsked asked) {
+  std::uint32_t proved = 0;
+  if (asked == FirstAsked::kRing) {
+    const Answer ring = certify_ring(state.reference, state.mesh, worker.proposal, state.tolerance,
+                                     worker.forward, worker.ring);
+    if (ring != Answer::kUnknown) return ring == Answer::kProved;
+    proved = worker.ring.unproved;
+  }
   const Proposal& proposal = worker.proposal;
-  return std::all_of(proposal.cells.begin(), proposal.cells.end(), [&](const LinkedTriangle& cell) {
-    return certify_forward(state.reference, dual_triangle(state.mesh, proposal, cell), state.tolerance,
-                           worker.forward);
-  });
+  for (std::size_t j = 0; j < proposal.cells.size(); ++j) {
+    if (j < kMaxFan && (proved >> j & 1u) != 0) continue;
+    const DualTriangle triangle = dual_triangle(state.mesh, proposal, proposal.cells[j]);
+    if (!certify_forward(state.reference, triangle, state.tolerance, worker.forward)) return false;
+  }
+  return true;
 }
 
 // All criteria but link, topology and angles, cheap ones first.
@@ -79,16 +87,12 @@ Refusal check(CertifiedState& state, Worker& worker, Vec3 facing, bool mends_ang
   if (!meets_sizes(state.sizes, state.mesh, proposal)) return Refusal::kSize;
   if (!meets_fold(state.reference, state.mesh, proposal, worker.limits)) return Refusal::kFold;
   if (!mends_angles && !meets_barycentric(state.mesh, proposal, worker.limits)) return Refusal::kBarycentric;
-  const Answer ring =
-      asked == FirstAsked::kTriangles
-          ? Answer::kUnknown
-          : certify_ring(state.reference, state.mesh, proposal, state.tolerance, worker.forward, worker.ring);
-  if (!is_forward_certified(state, worker, ring)) return Refusal::kDistance;
+  if (!is_forward_certified(state, worker, asked)) return Refusal::kDistance;
   collect_around(state.mesh, proposal, worker.sheets, worker.around);
   if (state.reverse_tolerance > 0 &&
       !certify_reverse(state.reference, state.mesh, state.proofs, proposal, worker.around,
-                       ring == Answer::kProved ? &worker.ring : nullptr, state.reverse_tolerance,
-                       worker.reverse)) {
+                       asked == FirstAsked::kRing && worker.ring.is_complete ? &worker.ring : nullptr,
+                       state.reverse_tolerance, worker.reverse)) {
     return Refusal::kReverse;
   }
   if (state.sheets.would_intersect(state.mesh, proposal, worker.around, worker.sheets)) {
