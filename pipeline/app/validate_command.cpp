@@ -8,6 +8,7 @@
 #include "pipeline/app/load_stages.h"
 #include "pipeline/base/error.h"
 #include "pipeline/run/plan.h"
+#include "pipeline/run/summary.h"
 
 namespace periost {
 namespace {
@@ -41,10 +42,16 @@ Json json_of(const Plan& plan) {
   for (const PlanStep& step : plan.steps) {
     Json inputs = Json::object();
     for (const PlanInput& input : step.inputs) inputs[input.port] = plan.steps[input.step].id;
-    steps.push_back(
-        {{"id", step.id}, {"kind", step.kind}, {"inputs", inputs}, {"peak_bytes", step.peak_bytes}});
+    steps.push_back({{"id", step.id},
+                     {"kind", step.kind},
+                     {"inputs", inputs},
+                     {"peak_bytes", step.peak_bytes},
+                     {"repeats", step.repeats}});
   }
-  return {{"name", plan.name}, {"stages", steps}, {"peak_bytes", plan.peak_bytes}};
+  return {{"name", plan.name},
+          {"stages", steps},
+          {"peak_bytes", plan.peak_bytes},
+          {"max_rounds", plan.max_rounds()}};
 }
 
 std::string text_of(const Plan& plan) {
@@ -57,6 +64,7 @@ std::string text_of(const Plan& plan) {
     }
     text += fmt::format("  {}{}{}\n", step.id, step.id == step.kind ? "" : " (" + step.kind + ")", inputs);
   }
+  text += rounds_text(plan);
   if (plan.peak_bytes > 0) {
     text += fmt::format("about {:.1f} GiB of memory\n", static_cast<double>(plan.peak_bytes) / (1u << 30));
   }

@@ -6,7 +6,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<std::string_view, kArtefactKinds> kNames{
-    "image", "mask", "isosurface", "simplex_mesh", "surface", "tet_mesh", "quality", "deck"};
+    "image", "mask", "isosurface", "simplex_mesh", "surface", "tet_mesh", "quality", "deck", "hints"};
 
 using Facts = std::map<std::string, double>;
 
@@ -65,6 +65,7 @@ struct FactsOf {
     return {{"gates", static_cast<double>(report.gates.size())}};
   }
   Facts operator()(const Deck& deck) const { return {{"files", static_cast<double>(deck.files.size())}}; }
+  Facts operator()(const Hints& hints) const { return {{"hints", static_cast<double>(hints.hints.size())}}; }
 };
 
 struct MemoryOf {
@@ -85,6 +86,7 @@ struct MemoryOf {
   }
   std::size_t operator()(const QualityReport&) const { return sizeof(QualityReport); }
   std::size_t operator()(const Deck&) const { return sizeof(Deck); }
+  std::size_t operator()(const Hints& hints) const { return bytes_of(hints.hints); }
 };
 
 }  // namespace

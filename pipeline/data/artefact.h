@@ -1,5 +1,5 @@
 #pragma once
-// What travels between stages: an immutable, shared value of one of eight kinds.
+// What travels between stages: an immutable, shared value of one of nine kinds.
 #include <map>
 #include <memory>
 #include <optional>
@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "pipeline/data/deck.h"
+#include "pipeline/data/hints.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/isosurface.h"
 #include "pipeline/data/mask.h"
@@ -18,14 +19,25 @@
 
 namespace periost {
 
-enum class ArtefactKind { kImage, kMask, kIsosurface, kSimplexMesh, kSurface, kTetMesh, kQuality, kDeck };
-inline constexpr int kArtefactKinds = 8;
+enum class ArtefactKind {
+  kImage,
+  kMask,
+  kIsosurface,
+  kSimplexMesh,
+  kSurface,
+  kTetMesh,
+  kQuality,
+  kDeck,
+  kHints
+};
+inline constexpr int kArtefactKinds = 9;
 
 // Alternatives stand in the order of ArtefactKind.
-using Artefact = std::variant<std::shared_ptr<const Image>, std::shared_ptr<const Mask>,
-                              std::shared_ptr<const Isosurface>, std::shared_ptr<const SimplexMesh>,
-                              std::shared_ptr<const SurfaceMesh>, std::shared_ptr<const TetMesh>,
-                              std::shared_ptr<const QualityReport>, std::shared_ptr<const Deck>>;
+using Artefact =
+    std::variant<std::shared_ptr<const Image>, std::shared_ptr<const Mask>, std::shared_ptr<const Isosurface>,
+                 std::shared_ptr<const SimplexMesh>, std::shared_ptr<const SurfaceMesh>,
+                 std::shared_ptr<const TetMesh>, std::shared_ptr<const QualityReport>,
+                 std::shared_ptr<const Deck>, std::shared_ptr<const Hints>>;
 
 inline ArtefactKind kind_of(const Artefact& artefact) {
   return static_cast<ArtefactKind>(artefact.index());
@@ -40,7 +52,8 @@ ArtefactKind kind_of_type() {
   return static_cast<ArtefactKind>(Artefact(std::shared_ptr<const T>()).index());
 }
 
-// "image", "mask", "isosurface", "simplex_mesh", "surface", "tet_mesh", "quality", "deck".
+// "image", "mask", "isosurface", "simplex_mesh", "surface", "tet_mesh", "quality", "deck",
+// "hints".
 std::string_view name_of(ArtefactKind kind);
 std::optional<ArtefactKind> kind_from_name(std::string_view name);
 

@@ -109,6 +109,22 @@ struct GateResult {
   std::vector<WorstElement> worst;  // at most ten
 };
 
+// One key that a round's hints change for the next round.
+struct RoundChange {
+  std::string key;   // "decimate.refine"
+  std::string text;  // "12 places"
+  friend bool operator==(const RoundChange&, const RoundChange&) = default;
+};
+
+// How a round of feedback ended, and what it changes for the next one.
+struct RoundNote {
+  std::uint32_t round = 1;
+  Verdict verdict = Verdict::kPass;
+  std::vector<RoundChange> changed;
+  std::string reason;  // one sentence or more; empty where nothing is changed
+  friend bool operator==(const RoundNote&, const RoundNote&) = default;
+};
+
 struct QualityReport {
   Verdict verdict = Verdict::kPass;
   std::string preset;
@@ -118,6 +134,7 @@ struct QualityReport {
   std::optional<VolumeQuality> volume;
   std::optional<MechanicsQuality> mechanics;
   std::vector<GateResult> gates;
+  std::vector<RoundNote> rounds;  // up to the one that made the report
 };
 
 }  // namespace periost

@@ -275,10 +275,40 @@ void walk(W& w, T& gate) {
   members(w, metric, op, limit, warn, value, status, worst);
 }
 
+template <class W, Same<RoundChange> T>
+void walk(W& w, T& change) {
+  auto& [key, text] = change;
+  members(w, key, text);
+}
+
+template <class W, Same<RoundNote> T>
+void walk(W& w, T& note) {
+  auto& [round, verdict, changed, reason] = note;
+  members(w, round, verdict, changed, reason);
+}
+
 template <class W, Same<QualityReport> T>
 void walk(W& w, T& report) {
-  auto& [verdict, preset, isosurface, decimation, surface, volume, mechanics, gates] = report;
-  members(w, verdict, preset, isosurface, decimation, surface, volume, mechanics, gates);
+  auto& [verdict, preset, isosurface, decimation, surface, volume, mechanics, gates, rounds] = report;
+  members(w, verdict, preset, isosurface, decimation, surface, volume, mechanics, gates, rounds);
+}
+
+template <class W, Same<HintBall> T>
+void walk(W& w, T& ball) {
+  auto& [centre, radius, size] = ball;
+  members(w, centre, radius, size);
+}
+
+template <class W, Same<Hint> T>
+void walk(W& w, T& hint) {
+  auto& [stage, parameter, factor, balls, metric, value, limit, round, reason] = hint;
+  members(w, stage, parameter, factor, balls, metric, value, limit, round, reason);
+}
+
+template <class W, Same<Hints> T>
+void walk(W& w, T& value) {
+  auto& [hints, rounds] = value;
+  members(w, hints, rounds);
 }
 
 template <class W, Same<Deck> T>

@@ -145,6 +145,34 @@ Json json_of(const GateResult& gate) {
   return json;
 }
 
+Json json_of(const RoundNote& note) {
+  Json json{{"round", note.round}, {"verdict", name_of(note.verdict)}, {"changed", Json::object()}};
+  for (const RoundChange& change : note.changed) json["changed"][change.key] = change.text;
+  json["reason"] = note.reason;
+  return json;
+}
+
+Json json_of(const Hint& hint) {
+  Json json{{"round", hint.round}, {"stage", hint.stage}, {"parameter", hint.parameter}};
+  if (hint.balls.empty()) json["factor"] = hint.factor;
+  json["metric"] = hint.metric;
+  json["value"] = hint.value;
+  json["limit"] = hint.limit;
+  json["reason"] = hint.reason;
+  for (const HintBall& ball : hint.balls) {
+    json["balls"].push_back({{"centre_mm", {ball.centre_mm.x, ball.centre_mm.y, ball.centre_mm.z}},
+                             {"radius_mm", ball.radius_mm},
+                             {"size_mm", ball.size_mm}});
+  }
+  return json;
+}
+
+void write_text(const std::string& text, const std::filesystem::path& path) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
 }  // namespace
 
 std::string name_of(Verdict verdict) {
@@ -161,13 +189,23 @@ std::string quality_json(const QualityReport& report) {
   if (report.mechanics) json["mechanics"] = json_of(*report.mechanics);
   json["gates"] = Json::array();
   for (const GateResult& gate : report.gates) json["gates"].push_back(json_of(gate));
+  for (const RoundNote& note : report.rounds) json["rounds"].push_back(json_of(note));
   return json.dump(1) + "\n";
 }
 
 void write_quality_json(const QualityReport& report, const std::filesystem::path& path) {
-  AtomicFile file(path);
-  file.write(quality_json(report));
-  file.commit();
+  write_text(quality_json(report), path);
+}
+
+std::string hints_json(const Hints& hints) {
+  Json json{{"schema", "periost-hints/1"}, {"hints", Json::array()}, {"rounds", Json::array()}};
+  for (const Hint& hint : hints.hints) json["hints"].push_back(json_of(hint));
+  for (const RoundNote& note : hints.rounds) json["rounds"].push_back(json_of(note));
+  return json.dump(1) + "\n";
+}
+
+void write_hints_json(const Hints& hints, const std::filesystem::path& path) {
+  write_text(hints_json(hints), path);
 }
 
 }  // namespace periost

@@ -42,6 +42,8 @@ const std::array<KindFile, kArtefactKinds> kFiles{{
     {"quality.json", true,
      [](const Artefact& a, const fs::path& path) { write_quality_json(value_of<QualityReport>(a), path); }},
     {"", false, nullptr},
+    {"hints.json", false,
+     [](const Artefact& a, const fs::path& path) { write_hints_json(value_of<Hints>(a), path); }},
 }};
 
 const KindFile& file_of(ArtefactKind kind) {

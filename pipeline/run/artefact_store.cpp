@@ -17,7 +17,11 @@ ArtefactStore::ArtefactStore(const Plan& plan, const std::set<ArtefactKind>& as_
     const std::size_t outputs = plan.steps[step].declaration->outputs.size();
     slots_.emplace_back(outputs);
     last_use_.emplace_back(outputs, step);
-    for (const PlanInput& input : plan.steps[step].inputs) last_use_[input.step][input.output] = step;
+    for (const PlanInput& input : plan.steps[step].inputs) {
+      const bool is_kept = !plan.steps[input.step].repeats && plan.steps[step].repeats;
+      std::size_t& last = last_use_[input.step][input.output];
+      last = std::max(last, is_kept ? plan.steps.size() : step);
+    }
   }
 }
 
@@ -68,6 +72,14 @@ void ArtefactStore::release_after(std::size_t step) {
     for (std::size_t output = 0; output < slots_[s].size(); ++output) {
       if (last_use_[s][output] <= step && !is_newest({s, output})) slots_[s][output].reset();
     }
+  }
+}
+
+void ArtefactStore::begin_round() {
+  newest_unwritten_.fill(std::nullopt);
+  for (std::size_t step = 0; step < slots_.size(); ++step) {
+    if (!plan_.steps[step].repeats) continue;
+    for (auto& slot : slots_[step]) slot.reset();
   }
 }
 

@@ -30,8 +30,11 @@ class ArtefactStore {
   // Artefacts that are still to become files, when the run ends early.
   std::vector<Place> unwritten() const;
   void mark_written(Place place);
-  // Frees what no step behind `step` needs.
+  // Frees what no step behind `step` needs. With feedback, what steps that run once give to steps that run
+  // again stays to the end.
   void release_after(std::size_t step);
+  // Forgets what the steps that run again made, and what was to become a file.
+  void begin_round();
 
  private:
   std::size_t last_maker(ArtefactKind kind) const;

@@ -76,6 +76,7 @@ class Connector {
     const std::vector<Port>& outputs = source.step->declaration->outputs;
     for (std::size_t output = 0; output < outputs.size(); ++output) {
       const bool is_named = source.output.empty() || outputs[output].name == source.output;
+      if (port.kind == ArtefactKind::kHints) continue;
       if (is_named && outputs[output].kind == port.kind)
         return PlanInput{port.name, source.index, output, port.kind};
     }
@@ -145,7 +146,7 @@ class Connector {
 
   void pick_newest(std::size_t i) {
     const Port& port = declaration_.inputs[i];
-    if (port.by_name) return;
+    if (port.by_name || port.kind == ArtefactKind::kHints) return;
     const auto has_kind = [&](const Port& other) { return other.kind == port.kind && !other.by_name; };
     const bool is_first = std::none_of(
         declaration_.inputs.begin(), declaration_.inputs.begin() + static_cast<std::ptrdiff_t>(i), has_kind);

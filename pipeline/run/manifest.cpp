@@ -38,6 +38,39 @@ Json json_of(const StageRecord& record) {
   return stage;
 }
 
+Json json_of(const ErrorRecord& error) {
+  return {{"code", error.code}, {"stage", error.stage}, {"text", error.text}, {"hint", error.hint}};
+}
+
+Json json_of(const Hint& hint) {
+  Json json{{"round", hint.round}, {"stage", hint.stage}, {"parameter", hint.parameter}};
+  if (hint.balls.empty()) {
+    json["factor"] = hint.factor;
+  } else {
+    json["places"] = hint.balls.size();
+  }
+  json["reason"] = hint.reason;
+  return json;
+}
+
+Json json_of(const RoundRecord& record) {
+  Json round{{"round", record.round}, {"verdict", nullptr}};
+  if (!record.verdict.empty()) round["verdict"] = record.verdict;
+  round["failed_gates"] = record.failed_gates;
+  round["best"] = record.is_best;
+  if (!record.folder.empty()) round["folder"] = record.folder;
+  round["hints"] = Json::array();
+  for (const Hint& hint : record.hints) round["hints"].push_back(json_of(hint));
+  round["changed"] = Json::object();
+  for (const RoundChange& change : record.changed) round["changed"][change.key] = change.text;
+  round["reason"] = record.reason;
+  if (!record.stages.empty()) round["stages"] = Json::array();
+  for (const StageRecord& stage : record.stages) round["stages"].push_back(json_of(stage));
+  if (record.error) round["error"] = json_of(*record.error);
+  if (!record.ended.empty()) round["ended"] = record.ended;
+  return round;
+}
+
 // Words of the command that are paths are cut as inputs are; the rest stays as typed.
 Json json_of_command(const Manifest& manifest) {
   Json command = Json::array({"periost"});
@@ -91,15 +124,8 @@ std::string manifest_json(const Manifest& manifest) {
   if (manifest.memory_bytes > 0) document["memory_limit_bytes"] = manifest.memory_bytes;
   for (const FileRecord& input : manifest.inputs) document["inputs"].push_back(json_of(input, "path"));
   for (const StageRecord& stage : manifest.stages) document["stages"].push_back(json_of(stage));
-  for (const RoundRecord& round : manifest.rounds) {
-    document["rounds"].push_back({{"round", round.round}, {"verdict", round.verdict}});
-  }
-  if (manifest.error) {
-    document["error"] = {{"code", manifest.error->code},
-                         {"stage", manifest.error->stage},
-                         {"text", manifest.error->text},
-                         {"hint", manifest.error->hint}};
-  }
+  for (const RoundRecord& round : manifest.rounds) document["rounds"].push_back(json_of(round));
+  if (manifest.error) document["error"] = json_of(*manifest.error);
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/config/configuration.h"
+#include "pipeline/data/hints.h"
 
 namespace periost {
 
@@ -40,13 +41,23 @@ struct StageRecord {
   std::vector<OutputRecord> outputs{};
 };
 
-struct RoundRecord {
-  int round = 1;
-  std::string verdict;  // "pass", "warn", "fail"
-};
-
 struct ErrorRecord {
   std::string code, stage, text, hint;
+};
+
+// One round of feedback; a run without feedback that judges has one.
+struct RoundRecord {
+  std::uint32_t round = 1;
+  std::string verdict;                    // "pass", "warn", "fail"; empty: it did not come to a verdict
+  std::vector<std::string> failed_gates;  // their metrics
+  bool is_best = false;                   // its artefacts lie at the top of the folder
+  std::string folder;                     // "rounds/1"; empty: there was one round only
+  std::vector<Hint> hints;                // that it ran with
+  std::vector<RoundChange> changed;       // what it changes for the next round
+  std::string reason;                     // why
+  std::vector<StageRecord> stages;  // that it ran, cached ones included; files by their place in `folder`
+  std::optional<ErrorRecord> error;
+  std::string ended;  // the last round only: "pass", "no_improvement", "max_rounds", "error", "interrupted"
 };
 
 struct Manifest {
@@ -62,7 +73,7 @@ struct Manifest {
   double wall_s = 0;
   std::uint64_t peak_rss_bytes = 0;
   std::vector<FileRecord> inputs;
-  std::vector<StageRecord> stages;
+  std::vector<StageRecord> stages;  // with feedback: those of the best round, and those that ran once
   std::vector<RoundRecord> rounds;
   std::optional<ErrorRecord> error;
 };

@@ -99,6 +99,7 @@ std::uint64_t forecast_bytes(ArtefactKind kind, const Forecast& forecast) {
     case ArtefactKind::kTetMesh:
       return forecast.tets * 32;
     case ArtefactKind::kQuality:
+    case ArtefactKind::kHints:
     case ArtefactKind::kDeck:
       return 0;
   }
@@ -114,12 +115,16 @@ std::uint64_t output_bytes(const PlanStep& step) {
   return bytes;
 }
 
-// The largest sum of a step's own peak and the results that later steps still need.
-std::uint64_t peak_of(const std::vector<PlanStep>& steps) {
+// The largest sum of a step's own peak and the results that later steps, or later rounds, still need.
+std::uint64_t peak_of(const Plan& plan) {
+  const std::vector<PlanStep>& steps = plan.steps;
   std::vector<std::size_t> last_use(steps.size());
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    last_use[i] = i;
-    for (const PlanInput& input : steps[i].inputs) last_use[input.step] = i;
+    last_use[i] = std::max(last_use[i], i);
+    for (const PlanInput& input : steps[i].inputs) {
+      const bool is_kept = plan.max_rounds() > 1 && !steps[input.step].repeats && steps[i].repeats;
+      last_use[input.step] = std::max(last_use[input.step], is_kept ? steps.size() : i);
+    }
   }
   std::uint64_t peak = 0;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -128,6 +133,43 @@ std::uint64_t peak_of(const std::vector<PlanStep>& steps) {
     peak = std::max(peak, alive);
   }
   return peak;
+}
+
+// Marks what feedback runs again: the steps that take hints, and all that use their results.
+void mark_repeats(std::vector<PlanStep>& steps) {
+  for (PlanStep& step : steps) {
+    if (step.declaration == nullptr) continue;
+    for (const Port& port : step.declaration->inputs) {
+      if (port.kind == ArtefactKind::kHints) step.hints_port = port.name;
+    }
+    for (const Port& port : step.declaration->outputs) {
+      step.gives_hints = step.gives_hints || port.kind == ArtefactKind::kHints;
+    }
+    step.repeats = !step.hints_port.empty() ||
+                   std::any_of(step.inputs.begin(), step.inputs.end(),
+                               [&](const PlanInput& input) { return steps[input.step].repeats; });
+  }
+}
+
+void check_feedback(const Plan& plan, const SourcePlace& place, Diagnostics& diagnostics) {
+  const auto any = [&](auto property) { return std::any_of(plan.steps.begin(), plan.steps.end(), property); };
+  if (!any([](const PlanStep& step) { return step.gives_hints; })) {
+    diagnostics.push_back({Severity::kError,
+                           "plan.no_hints",
+                           {},
+                           "feedback",
+                           place,
+                           "key 'feedback': no stage of the chain judges, so no round can pass",
+                           "add a stage that gives hints ('periost stages' lists them) or leave it out"});
+  } else if (!any([](const PlanStep& step) { return !step.hints_port.empty() && !step.gives_hints; })) {
+    diagnostics.push_back({Severity::kWarning,
+                           "plan.no_hints",
+                           {},
+                           "feedback",
+                           place,
+                           "key 'feedback': no stage of the chain takes hints, so every round gives the same",
+                           {}});
+  }
 }
 
 Value entry_of(const PlanStep& step, const Plan& plan, const std::filesystem::path& folder) {
@@ -180,16 +222,8 @@ Value quoted(std::string text) {
 }  // namespace
 
 Plan make_plan(const Configuration& configuration, const Registry& registry, Diagnostics& diagnostics) {
-  Plan plan{configuration.name, configuration.seed, configuration.provenance, configuration.plugins, {}, 0};
-  if (configuration.feedback) {
-    diagnostics.push_back({Severity::kError,
-                           "config.not_available",
-                           {},
-                           "feedback",
-                           configuration.feedback_place,
-                           "key 'feedback': this version runs a chain once and cannot repeat it",
-                           "leave it out"});
-  }
+  Plan plan{configuration.name,    configuration.seed, configuration.provenance, configuration.plugins, {}, 0,
+            configuration.feedback};
   const std::size_t before = diagnostics.size();
   for (const StageEntry& entry : configuration.chain) {
     plan.steps.push_back(make_step(entry, configuration, registry, plan.steps, diagnostics));
@@ -199,7 +233,11 @@ Plan make_plan(const Configuration& configuration, const Registry& registry, Dia
                    [](const Diagnostic& d) { return d.severity == Severity::kError; });
   const bool is_known = std::all_of(plan.steps.begin(), plan.steps.end(),
                                     [](const PlanStep& step) { return step.declaration != nullptr; });
-  if (is_complete && is_known) plan.peak_bytes = peak_of(plan.steps);
+  if (plan.feedback) {
+    mark_repeats(plan.steps);
+    if (is_known) check_feedback(plan, configuration.feedback_place, diagnostics);
+  }
+  if (is_complete && is_known) plan.peak_bytes = peak_of(plan);
   add_used_plugins(plan, registry);
   sort_by_place(diagnostics);
   return plan;
@@ -216,12 +254,29 @@ Value resolved_configuration(const Plan& plan, const std::filesystem::path& fold
   Value provenance =
       Value::map({{"dicom_uids", {}, Value::scalar(plan.provenance.dicom_uids ? "true" : "false")},
                   {"paths", {}, Value::scalar(std::string(name_of(plan.provenance.paths)))}});
-  return Value::map({{"periost", {}, Value::scalar("1")},
-                     {"name", {}, quoted(plan.name)},
-                     {"seed", {}, Value::scalar(std::to_string(plan.seed))},
-                     {"plugins", {}, std::move(plugins)},
-                     {"provenance", {}, std::move(provenance)},
-                     {"chain", {}, std::move(chain)}});
+  Value document = Value::map({{"periost", {}, Value::scalar("1")},
+                               {"name", {}, quoted(plan.name)},
+                               {"seed", {}, Value::scalar(std::to_string(plan.seed))},
+                               {"plugins", {}, std::move(plugins)},
+                               {"provenance", {}, std::move(provenance)},
+                               {"chain", {}, std::move(chain)}});
+  if (plan.feedback) {
+    Value feedback = Value::map({});
+    feedback.entries.push_back({"until", {}, Value::scalar(plan.feedback->until)});
+    feedback.entries.push_back({"max_rounds", {}, Value::scalar(std::to_string(plan.feedback->max_rounds))});
+    document.entries.push_back({"feedback", {}, std::move(feedback)});
+  }
+  return document;
+}
+
+std::vector<UnrolledStep> unrolled(const Plan& plan) {
+  std::vector<UnrolledStep> all;
+  for (std::uint32_t round = 1; round <= plan.max_rounds(); ++round) {
+    for (std::size_t step = 0; step < plan.steps.size(); ++step) {
+      if (round == 1 || plan.steps[step].repeats) all.push_back({round, step});
+    }
+  }
+  return all;
 }
 
 }  // namespace periost

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,9 @@ struct PlanStep {
   std::vector<std::filesystem::path> reads;       // files whose content the result depends on
   std::uint64_t peak_bytes = 0;                   // estimate of the step's own peak memory; 0: unknown
   SourcePlace place;                              // of the value of `stage:`
+  std::string hints_port;  // input that takes the hints of the round before; empty: none
+  bool gives_hints = false;
+  bool repeats = false;  // a hint can reach it, so later rounds run it again
 };
 
 struct Plan {
@@ -42,12 +46,28 @@ struct Plan {
   std::vector<std::filesystem::path> plugins;
   std::vector<PlanStep> steps;
   std::uint64_t peak_bytes = 0;  // estimate of the whole run: the largest step with what it must keep alive
+  std::optional<Feedback> feedback;
+
+  std::uint32_t max_rounds() const { return feedback ? feedback->max_rounds : 1; }
 };
+
+// One step of one round.
+struct UnrolledStep {
+  std::uint32_t round = 1;
+  std::size_t step = 0;
+  friend bool operator==(const UnrolledStep&, const UnrolledStep&) = default;
+};
+
+// The steps of all rounds in the order in which they run if no round passes: each step in the first round, in
+// later ones those that a hint can reach.
+std::vector<UnrolledStep> unrolled(const Plan& plan);
 
 // Checks a configuration against the known stages; diagnostics are then in the order of the file. All
 // problems are added to `diagnostics`, each with its place; a plan with errors among them must not be run. A
 // stage takes the newest artefact of each kind it needs; `from:` picks another; of several inputs of one
-// kind, all but the first must be picked. The registry must outlive the plan.
+// kind, all but the first must be picked. With `feedback`, inputs of kind hints take what the last stage that
+// gives hints gave in the round before (nothing in the first round); without, they are never connected. The
+// registry must outlive the plan.
 Plan make_plan(const Configuration& configuration, const Registry& registry, Diagnostics& diagnostics);
 
 // The configuration that this plan came from with every default, id and input spelled out, as it goes to

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
@@ -25,7 +26,10 @@ constexpr const char* kTagText =
     "Signature: 8a477f597d28d172789f06886806bc55\n# Results of Periost's stages, for periost run --resume.\n";
 constexpr const char* kTagMark = "Periost";
 // What a run leaves besides the files that run.json and the cache name.
-constexpr std::array kOwnFiles{"run.json", "quality.json", "report.html", "events.ndjson", "config.yaml"};
+constexpr std::array kOwnFiles{"run.json",      "quality.json", "report.html",
+                               "events.ndjson", "config.yaml",  "hints.json"};
+
+constexpr const char* kRounds = "rounds";
 
 json parse_file(const fs::path& path) {
   std::ifstream file(path);
@@ -69,8 +73,35 @@ void add_cache_files(const fs::path& cache, std::set<std::string>& files) {
   }
 }
 
+bool is_number(const std::string& name) {
+  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+// All that lies in rounds/N, which is ours.
+void add_round_files(const fs::path& folder, std::set<std::string>& files) {
+  std::error_code ignored;
+  for (const auto& round : fs::directory_iterator(folder / kRounds, ignored)) {
+    if (!is_number(round.path().filename().string())) continue;
+    for (const auto& file : fs::directory_iterator(round.path(), ignored)) {
+      if (file.is_regular_file(ignored)) files.insert(file.path().lexically_relative(folder).string());
+    }
+  }
+}
+
+// Folders of rounds that hold nothing any more.
+void remove_empty_rounds(const fs::path& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> rounds;
+  for (const auto& round : fs::directory_iterator(folder / kRounds, ignored)) rounds.push_back(round.path());
+  for (const fs::path& round : rounds) {
+    if (is_number(round.filename().string())) fs::remove(round, ignored);
+  }
+  fs::remove(folder / kRounds, ignored);
+}
+
 std::set<std::string> files_of_earlier_runs(const fs::path& folder) {
   std::set<std::string> files(kOwnFiles.begin(), kOwnFiles.end());
+  add_round_files(folder, files);
   add_manifest_files(parse_file(folder / "run.json"), files);
   add_cache_files(folder / ".cache", files);
   std::erase_if(files, [](const std::string& name) { return !stays_inside(name); });
@@ -157,6 +188,7 @@ void RunFolder::remove_stale(const std::set<std::string>& kept) const {
   for (const std::string& name : earlier_) {
     if (!kept.contains(name)) fs::remove(path_ / name, ignored);
   }
+  remove_empty_rounds(path_);
 }
 
 }  // namespace periost

@@ -30,7 +30,8 @@ class RunFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path cache() const { return path_ / ".cache"; }
   std::filesystem::path scratch() const { return cache() / "scratch"; }
-  // Removes the files of earlier runs in this folder that are not in `kept` (names relative to the folder).
+  // Removes the files of earlier runs in this folder that are not in `kept` (names relative to the folder),
+  // and the folders of rounds that are empty then.
   void remove_stale(const std::set<std::string>& kept) const;
 
  private:

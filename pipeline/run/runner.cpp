@@ -1,32 +1,22 @@
 #include "pipeline/run/runner.h"
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <new>
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/file.h"
-#include "pipeline/base/hash.h"
 #include "pipeline/base/quantity.h"
 #include "pipeline/config/emit.h"
-#include "pipeline/io/archive.h"
-#include "pipeline/param/render.h"
-#include "pipeline/run/artefact_files.h"
-#include "pipeline/run/artefact_store.h"
-#include "pipeline/run/cache.h"
-#include "pipeline/run/inputs.h"
-#include "pipeline/run/resources.h"
+#include "pipeline/run/execution.h"
 
 namespace periost {
 namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using Place = ArtefactStore::Place;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -36,18 +26,6 @@ void write_text(const fs::path& path, const std::string& text) {
   AtomicFile file(path);
   file.write(text);
   file.commit();
-}
-
-std::string verdict_name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kPass:
-      return "pass";
-    case Verdict::kWarn:
-      return "warn";
-    case Verdict::kFail:
-      return "fail";
-  }
-  return "fail";
 }
 
 // Whatever was thrown, as an Error.
@@ -68,295 +46,163 @@ Error as_error(const std::exception_ptr& thrown) {
   }
 }
 
-std::set<ArtefactKind> kinds_as_files(const RunOptions& options) {
-  std::set<ArtefactKind> kinds;
-  for (int number = 0; number < kArtefactKinds; ++number) {
-    const auto kind = static_cast<ArtefactKind>(number);
-    const bool is_wanted = is_always_saved(kind) || options.save.contains(kind);
-    if (is_wanted && !file_name_of(kind).empty()) kinds.insert(kind);
-  }
-  return kinds;
-}
-
-// One run of one plan, from the taken folder to run.json.
-class Execution {
- public:
-  Execution(const Plan& plan, const Registry& registry, const RunOptions& options, Reporter& reporter,
-            std::atomic<bool>& cancelled)
-      : plan_(plan),
-        registry_(registry),
-        options_(options),
-        reporter_(reporter),
-        cancelled_(cancelled),
-        folder_(fs::absolute(options.output).lexically_normal(), options.existing),
-        cache_(folder_.cache(), folder_.path()),
-        store_(plan, kinds_as_files(options)) {}
-
-  ~Execution() { reporter_.close_events(); }
-  Execution(const Execution&) = delete;
-  Execution& operator=(const Execution&) = delete;
-
-  Manifest run();
-
- private:
-  void begin();
-  void pin_inputs();
-  std::string key_of(std::size_t step, const Value& params) const;
-  void run_chain();
-  void run_step(std::size_t step);
-  bool take_from_cache(std::size_t step, StageRecord& record);
-  CacheEntry compute(std::size_t step);
-  std::vector<FileRecord> deck_files(const std::vector<Artefact>& outputs) const;
-  void remember(std::size_t step, CacheEntry& entry);
-  void accept(std::size_t step, const CacheEntry& entry, StageRecord& record);
-  void write_files(const std::vector<Place>& places);
-  void judge(const Artefact& artefact);
-  void fail(const Error& error);
-  void conclude();
-  void write_manifest();
-  std::string hidden(const std::string& text) const;
-  Context context_for(const std::string& stage) const;
-
-  const Plan& plan_;
-  const Registry& registry_;
-  const RunOptions& options_;
-  Reporter& reporter_;
-  std::atomic<bool>& cancelled_;
-  RunFolder folder_;
-  Cache cache_;
-  ArtefactStore store_;
-  Manifest manifest_;
-  std::map<fs::path, InputContent> contents_;
-  std::vector<std::string> keys_;  // of the steps
-  std::string stage_;              // id of the step at work, for errors
-  const MemoryGuard* guard_ = nullptr;
-  bool caches_ = true;
-  bool gate_failed_ = false;
-};
-
-Context Execution::context_for(const std::string& stage) const {
-  Context context;
-  context.sink = reporter_.sink();
-  context.stage = stage;
-  context.run_name = plan_.name;
-  context.cancelled = &cancelled_;
-  context.seed = plan_.seed;
-  context.threads = manifest_.threads;
-  context.memory_bytes = options_.memory_bytes;
-  context.output = folder_.path();
-  context.scratch = folder_.scratch();
-  context.workers = options_.workers;
-  return context;
-}
-
-std::string Execution::hidden(const std::string& text) const {
-  std::vector<fs::path> files;
-  for (const PlanStep& step : plan_.steps) {
-    files.insert(files.end(), step.reads.begin(), step.reads.end());
-    const auto paths = input_paths(step.declaration->params->params(), step.params);
-    files.insert(files.end(), paths.begin(), paths.end());
-  }
-  return without_paths(text, files, plan_.provenance.paths);
-}
-
-void Execution::begin() {
-  manifest_.name = plan_.name;
-  manifest_.command = options_.command;
-  manifest_.paths = plan_.provenance.paths;
-  manifest_.seed = plan_.seed;
-  manifest_.threads = options_.threads > 0 ? options_.threads : core_count();
-  manifest_.memory_bytes = options_.memory_bytes;
-  manifest_.started = utc_now();
-  reporter_.open_events(folder_.path() / "events.ndjson",
-                        [this](const std::string& text) { return hidden(text); });
-}
-
-// Reads the content of every input once and makes the keys of all steps from it.
-void Execution::pin_inputs() {
-  for (std::size_t i = 0; i < plan_.steps.size(); ++i) {
-    const PlanStep& step = plan_.steps[i];
-    stage_ = step.id;
-    const std::vector<ParamInfo>& infos = step.declaration->params->params();
-    std::vector<fs::path> paths = input_paths(infos, step.params);
-    paths.insert(paths.end(), step.reads.begin(), step.reads.end());
-    for (const fs::path& path : paths) {
-      context_for(stage_).check_cancelled();
-      if (contents_.contains(path)) continue;
-      const InputContent& content = contents_.emplace(path, read_content(path)).first->second;
-      for (const FileRecord& file : content.files) {
-        const FileRecord record{provenance_path(file.file, manifest_.paths), file.bytes, file.xxh128};
-        const auto& inputs = manifest_.inputs;
-        if (std::find(inputs.begin(), inputs.end(), record) == inputs.end())
-          manifest_.inputs.push_back(record);
-      }
-    }
-    const Value params = with_input_paths(
-        infos, step.params, [this](const fs::path& path) { return "xxh128:" + contents_.at(path).hash; });
-    keys_.push_back(key_of(i, params));
-  }
-  stage_.clear();
-}
-
-std::string Execution::key_of(std::size_t index, const Value& params) const {
-  const PlanStep& step = plan_.steps[index];
-  const Registry::Entry* entry = registry_.find(step.kind);
-  const bool is_plugin = entry != nullptr && fs::is_regular_file(entry->origin);
-  StageKey key{.stage = step.kind,
-               .version = step.declaration->version,
-               .origin = is_plugin ? hash_file(entry->origin) : "built in",
-               .params = flow_text(params),
-               .seed = plan_.seed,
-               .run_name = {},
-               .inputs = {}};
-  for (const Port& output : step.declaration->outputs) {
-    if (output.kind == ArtefactKind::kDeck) key.run_name = plan_.name;
-  }
-  for (const fs::path& file : step.reads) key.inputs.push_back(contents_.at(file).hash);
-  for (const PlanInput& input : step.inputs) {
-    key.inputs.push_back(fmt::format("{}:{}:{}", input.port, keys_[input.step], input.output));
-  }
-  return hash_of(key);
-}
+}  // namespace
 
 void Execution::run_chain() {
   write_text(folder_.path() / "config.yaml", emit_yaml(resolved_configuration(plan_)));
   check_memory(plan_, options_.memory_bytes);
   pin_inputs();
+  run_rounds();
+}
+
+// Ends with the error of the first round, or with an interruption; other errors end the loop only.
+void Execution::run_rounds() {
+  for (std::uint32_t number = 1; ended_.empty(); ++number) {
+    std::exception_ptr thrown;
+    try {
+      begin_round(number, rounds_.empty() ? nullptr : rounds_.back().made);
+      run_steps();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    end_round(thrown);
+    if (manifest_.error) return;
+    ended_ = rounds_.back().error ? "error" : why_to_end();
+  }
+  if (rounds_[best_].score.has_failed && options_.keep_going && !cancelled_.load()) complete_best();
+  if (!plan_.feedback) return;
+  context_for({}).info("rounds.ended", fmt::format("ended after round {} ({}); the best is round {}",
+                                                   rounds_.back().number, ended_, rounds_[best_].number));
+}
+
+void Execution::begin_round(std::uint32_t number, std::shared_ptr<const Hints> hints) {
+  round_ = {.number = number, .score = {}, .given = std::move(hints), .made = {}, .stages = {}, .error = {}};
+  std::error_code ignored;
+  fs::create_directories(output(), ignored);
+  store_.begin_round();
   for (std::size_t step = 0; step < plan_.steps.size(); ++step) {
-    if (gate_failed_ && !options_.keep_going) {
-      context_for({}).warn("run.gate_failed", "a quality gate failed: the stages behind it do not run");
-      return;
-    }
-    run_step(step);
+    if (plan_.steps[step].repeats) records_[step].reset();
   }
+  if (number == 2)
+    put_files(files_of(stages_of_round(rounds_[0])), folder_.path(), folder_.path() / round_folder(1));
+  make_keys();
+  if (plan_.max_rounds() == 1 || completes_) return;
+  std::vector<std::string> changes;
+  if (round_.given != nullptr && !round_.given->rounds.empty()) {
+    for (const RoundChange& change : round_.given->rounds.back().changed)
+      changes.push_back(change.key + ": " + change.text);
+  }
+  context_for({}).info("round.started",
+                       fmt::format("round {} of at most {}{}{}", number, plan_.max_rounds(),
+                                   changes.empty() ? "" : "; changed ", fmt::join(changes, ", ")));
 }
 
-void Execution::run_step(std::size_t index) {
-  const PlanStep& step = plan_.steps[index];
-  const Context context = context_for(step.id);
-  stage_ = step.id;
-  context.check_cancelled();
-  context.debug("stage.started", "started");
-  const auto start = Clock::now();
-  const double cpu = cpu_seconds();
-  const std::uint64_t children = children_peak_bytes();
-  reset_peak_resident();
-
-  StageRecord record{.id = step.id, .kind = step.kind};
-  if (!take_from_cache(index, record)) {
-    CacheEntry entry = compute(index);
-    remember(index, entry);
-    accept(index, entry, record);
-  }
-  record.wall_s = seconds_since(start);
-  record.cpu_s = cpu_seconds() - cpu;
-  record.peak_rss_bytes = peak_resident_bytes();
-  if (children_peak_bytes() > children)
-    record.peak_rss_bytes = std::max(record.peak_rss_bytes, children_peak_bytes());
-  manifest_.peak_rss_bytes = std::max(manifest_.peak_rss_bytes, record.peak_rss_bytes);
-  context.info("stage.finished",
-               fmt::format("{}{:.2f} s", record.cached ? "from the cache, " : "", record.wall_s));
-  manifest_.stages.push_back(std::move(record));
-
-  write_files(store_.due_after(index));
-  store_.release_after(index);
-  ::malloc_trim(0);  // memory that stages freed no longer counts against the budget
-  stage_.clear();
-}
-
-bool Execution::take_from_cache(std::size_t step, StageRecord& record) {
-  if (options_.existing != ExistingFolder::kResume) return false;
-  const auto entry = cache_.find(keys_[step]);
-  if (!entry || entry->outputs.size() != plan_.steps[step].declaration->outputs.size()) return false;
-  record.cached = true;
-  accept(step, *entry, record);
-  return true;
-}
-
-CacheEntry Execution::compute(std::size_t index) {
-  const PlanStep& step = plan_.steps[index];
-  Inputs inputs;
-  for (const PlanInput& input : step.inputs) {
-    const Artefact& artefact = store_.at({input.step, input.output});
-    inputs.set(input.port, kind_of(artefact) == input.kind ? artefact : as_surface(artefact));
-  }
-  Context context = context_for(step.id);
-  CacheEntry entry;
-  entry.outputs = step.stage->run_any(step.options, inputs, context).artefacts();
-  context.check_cancelled();
-  const std::vector<Port>& ports = step.declaration->outputs;
-  const bool fits =
-      std::equal(ports.begin(), ports.end(), entry.outputs.begin(), entry.outputs.end(),
-                 [](const Port& port, const Artefact& artefact) { return port.kind == kind_of(artefact); });
-  if (!fits) {
-    throw Error(ErrorKind::kInternal, "stage.bad_outputs",
-                "the stage did not return the outputs that it declares", "this is a fault of the stage");
-  }
-  entry.files = deck_files(entry.outputs);
-  return entry;
-}
-
-std::vector<FileRecord> Execution::deck_files(const std::vector<Artefact>& outputs) const {
-  std::vector<FileRecord> files;
-  for (const Artefact& artefact : outputs) {
-    if (kind_of(artefact) != ArtefactKind::kDeck) continue;
-    for (const std::string& name : std::get<std::shared_ptr<const Deck>>(artefact)->files) {
-      const fs::path path = folder_.path() / name;
-      FileRecord record{name, 0, hash_file(path)};
-      record.bytes = fs::file_size(path);
-      files.push_back(std::move(record));
-    }
-  }
-  return files;
-}
-
-// The cache is a convenience: when the disk is full it gives way to the results.
-void Execution::remember(std::size_t step, CacheEntry& entry) {
-  if (!caches_) return;
+// Writes what the round still holds, and sets it among the others.
+void Execution::end_round(const std::exception_ptr& thrown) {
+  std::optional<Error> error;
+  if (thrown != nullptr) error = as_error(thrown);
   try {
-    cache_.store(keys_[step], entry);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kLimit) throw;
-    caches_ = false;
-    cache_.keep_only({});
-    context_for(stage_).warn("run.cache_off", fmt::format("results are not cached: {}", error.what()));
+    write_files(store_.unwritten());
+  } catch (...) {
+    if (!error) error = as_error(std::current_exception());
   }
+  if (error) fail(*error, true);
+  round_.stages = records_;
+  rounds_.push_back(round_);
+  const bool is_best =
+      !round_.error && (rounds_.size() == 1 || is_better(round_.score, rounds_[best_].score));
+  if (!is_best) return;
+  best_ = rounds_.size() - 1;
+  show_best();
 }
 
-void Execution::accept(std::size_t step, const CacheEntry& entry, StageRecord& record) {
-  for (std::size_t output = 0; output < entry.outputs.size(); ++output) {
-    const Artefact& artefact = entry.outputs[output];
-    OutputRecord made{.kind = std::string(name_of(kind_of(artefact)))};
-    made.xxh128 = output < entry.hashes.size() ? entry.hashes[output] : hash_artefact(artefact);
-    made.facts = facts_of(artefact);
-    if (kind_of(artefact) == ArtefactKind::kDeck) made.files = entry.files;
-    record.outputs.push_back(std::move(made));
-    judge(artefact);
-    store_.put({step, output}, artefact);
+std::string Execution::why_to_end() const {
+  const Round& last = rounds_.back();
+  const std::size_t had = last.given == nullptr ? 0 : last.given->hints.size();
+  return reason_to_end({.round = last.number,
+                        .best = rounds_[best_].number,
+                        .max_rounds = plan_.max_rounds(),
+                        .has_passed = !last.score.has_failed,
+                        .has_new_hints = last.made != nullptr && last.made->hints.size() > had});
+}
+
+// With keep_going, the stages behind the failed gate of the best round, whose own results are in the cache.
+void Execution::complete_best() {
+  Round& best = rounds_[best_];
+  const std::size_t ran = static_cast<std::size_t>(std::count_if(
+      best.stages.begin(), best.stages.end(), [](const auto& stage) { return stage.has_value(); }));
+  if (ran == plan_.steps.size()) return;
+  const Round before = best;
+  completes_ = true;
+  std::exception_ptr thrown;
+  try {
+    begin_round(best.number, best.given);
+    run_steps();
+    write_files(store_.unwritten());
+  } catch (...) {
+    thrown = std::current_exception();
   }
-}
-
-void Execution::judge(const Artefact& artefact) {
-  if (kind_of(artefact) != ArtefactKind::kQuality) return;
-  const Verdict verdict = std::get<std::shared_ptr<const QualityReport>>(artefact)->verdict;
-  gate_failed_ = gate_failed_ || verdict == Verdict::kFail;
-  if (verdict == Verdict::kWarn) manifest_.status = RunStatus::kWarned;
-  manifest_.rounds = {{1, verdict_name(verdict)}};
-}
-
-void Execution::write_files(const std::vector<Place>& places) {
-  for (const Place& place : places) {
-    const Artefact& artefact = store_.at(place);
-    const std::string name = file_name_of(kind_of(artefact));
-    write_artefact_file(artefact, folder_.path());
-    OutputRecord& record = manifest_.stages.at(place.step).outputs.at(place.output);
-    record.file = name;
-    record.xxh128 = hash_file(folder_.path() / name);
-    store_.mark_written(place);
+  best.stages = records_;
+  for (std::size_t step = 0; step < plan_.steps.size(); ++step) {
+    if (before.stages[step]) best.stages[step] = before.stages[step];
   }
+  show_best();
+  if (thrown != nullptr) std::rethrow_exception(thrown);
 }
 
-void Execution::fail(const Error& error) {
+// Puts the files of the best round to the top, in place of those of the round that was there.
+void Execution::show_best() {
+  const Round& best = rounds_[best_];
+  const std::vector<std::string> names = files_of(stages_of_round(best));
+  const fs::path own = folder_.path() / round_folder(best.number);
+  if (best.number == 1) {
+    if (rounds_.size() > 1) put_files(names, folder_.path(), own);
+    return;
+  }
+  put_files(names, own, folder_.path());
+  for (const std::string& name : files_of(stages_of_round(rounds_[shown_ - 1]))) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) fs::remove(folder_.path() / name);
+  }
+  shown_ = best.number;
+}
+
+// Those of the stages that rounds run again.
+std::vector<StageRecord> Execution::stages_of_round(const Round& round) const {
+  std::vector<StageRecord> stages;
+  for (std::size_t step = 0; step < round.stages.size(); ++step) {
+    if (plan_.steps[step].repeats && round.stages[step]) stages.push_back(*round.stages[step]);
+  }
+  return stages;
+}
+
+RoundRecord Execution::record_of(const Round& round) const {
+  RoundRecord record;
+  record.round = round.number;
+  if (round.score.is_judged) {
+    record.verdict = round.score.has_failed ? "fail" : round.score.has_warned ? "warn" : "pass";
+  }
+  record.failed_gates = round.score.failed_metrics;
+  record.is_best = round.number == rounds_[best_].number;
+  if (round.given != nullptr) record.hints = round.given->hints;
+  if (round.made != nullptr && !round.made->rounds.empty()) {
+    record.changed = round.made->rounds.back().changed;
+    record.reason = round.made->rounds.back().reason;
+  }
+  record.error = round.error;
+  if (rounds_.size() == 1) return record;
+  record.folder = round_folder(round.number);
+  record.stages = stages_of_round(round);
+  for (StageRecord& stage : record.stages) {
+    for (OutputRecord& output : stage.outputs) {
+      if (!output.file.empty()) output.file = record.folder + "/" + output.file;
+      for (FileRecord& file : output.files) file.file = record.folder + "/" + file.file;
+    }
+  }
+  return record;
+}
+
+// `ends_round_only`: behind the first round an error leaves the run what the rounds before gave.
+void Execution::fail(const Error& error, bool ends_round_only) {
   const bool is_over_memory = guard_ != nullptr && guard_->exceeded_bytes() > 0;
   const bool is_interrupted = !is_over_memory && cancelled_.load();
   Error cause = error;
@@ -369,29 +215,49 @@ void Execution::fail(const Error& error) {
     // Ctrl-C also reaches the worker processes, whose end is then no fault of theirs.
     cause = Error(ErrorKind::kInterrupted, "run.interrupted", "interrupted");
   }
-  manifest_.status = cause.kind() == ErrorKind::kInterrupted ? RunStatus::kInterrupted : RunStatus::kFailed;
-  manifest_.exit_code = exit_code(cause.kind());
-  manifest_.error = ErrorRecord{cause.code(), stage_, hidden(cause.what()), hidden(cause.hint())};
+  const ErrorRecord record{cause.code(), stage_, hidden(cause.what()), hidden(cause.hint())};
+  round_.error = record;
+  if (!ends_round_only || rounds_.empty() || cause.kind() == ErrorKind::kInterrupted) {
+    manifest_.status = cause.kind() == ErrorKind::kInterrupted ? RunStatus::kInterrupted : RunStatus::kFailed;
+    manifest_.exit_code = exit_code(cause.kind());
+    manifest_.error = record;
+  }
   const std::string text =
       cause.hint().empty() ? cause.what() : fmt::format("{}; {}", cause.what(), cause.hint());
   reporter_.report({Event::Level::kError, stage_, cause.code(), text});
 }
 
+// What the manifest tells of stages and rounds, and the status, which is that of the best round.
 void Execution::conclude() {
+  const bool is_over = !rounds_.empty();
+  const auto& stages = is_over ? rounds_[best_].stages : records_;
+  for (std::size_t step = 0; step < plan_.steps.size(); ++step) {
+    const auto& record = plan_.steps[step].repeats ? stages[step] : records_[step];
+    if (record) manifest_.stages.push_back(*record);
+  }
+  const bool is_judged = is_over && rounds_[best_].score.is_judged;
+  if (is_judged || rounds_.size() > 1) {
+    for (const Round& round : rounds_) manifest_.rounds.push_back(record_of(round));
+    if (plan_.feedback) {
+      const bool is_interrupted = manifest_.status == RunStatus::kInterrupted;
+      manifest_.rounds.back().ended = ended_.empty() ? (is_interrupted ? "interrupted" : "error") : ended_;
+    }
+  }
   if (!manifest_.error) {
-    if (gate_failed_) {
+    if (is_judged && rounds_[best_].score.has_failed) {
       manifest_.status = RunStatus::kGateFailed;
       manifest_.exit_code = exit_code(ErrorKind::kQuality);
+    } else if (is_judged && rounds_[best_].score.has_warned) {
+      manifest_.status = RunStatus::kWarned;
     }
-    cache_.keep_only({keys_.begin(), keys_.end()});
+    cache().keep_only(all_keys_);
   }
   std::set<std::string> kept{"config.yaml", "events.ndjson"};
-  for (const StageRecord& stage : manifest_.stages) {
-    for (const OutputRecord& output : stage.outputs) {
-      kept.insert(output.file);
-      for (const FileRecord& file : output.files) kept.insert(file.file);
-    }
-  }
+  const auto keep = [&kept](const std::vector<StageRecord>& records) {
+    for (const std::string& name : files_of(records)) kept.insert(name);
+  };
+  keep(manifest_.stages);
+  for (const RoundRecord& round : manifest_.rounds) keep(round.stages);
   folder_.remove_stale(kept);
 }
 
@@ -400,7 +266,7 @@ void Execution::write_manifest() {
   try {
     write_text(folder_.path() / "run.json", text);
   } catch (const Error&) {
-    cache_.keep_only({});  // makes room on a full disk
+    cache().keep_only({});  // makes room on a full disk
     write_text(folder_.path() / "run.json", text);
   }
 }
@@ -416,11 +282,6 @@ Manifest Execution::run() {
     } catch (...) {
       fail(as_error(std::current_exception()));
     }
-    try {
-      write_files(store_.unwritten());
-    } catch (...) {
-      if (!manifest_.error) fail(as_error(std::current_exception()));
-    }
     guard_ = nullptr;
   }
   conclude();
@@ -429,8 +290,6 @@ Manifest Execution::run() {
   write_manifest();
   return manifest_;
 }
-
-}  // namespace
 
 void check_memory(const Plan& plan, std::uint64_t memory_bytes) {
   if (memory_bytes == 0) return;

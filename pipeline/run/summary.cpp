@@ -69,6 +69,25 @@ std::string memory_text(std::uint64_t bytes) {
   return bytes == 0 ? "-" : mebibytes(bytes);
 }
 
+// One line a round, where there were rounds.
+std::string rounds_table(const Manifest& manifest) {
+  std::string text;
+  if (manifest.rounds.size() < 2) return text;
+  for (const RoundRecord& round : manifest.rounds) {
+    text += fmt::format("round {}{}: {}", round.round, round.is_best ? " (best)" : "",
+                        round.verdict.empty() ? "no verdict" : round.verdict);
+    if (!round.failed_gates.empty()) text += fmt::format(" ({})", fmt::join(round.failed_gates, ", "));
+    if (round.error) text += ", " + round.error->text;
+    for (const RoundChange& change : round.changed) {
+      text += fmt::format("{}{}: {}", &change == round.changed.data() ? "; then " : ", ", change.key,
+                          change.text);
+    }
+    if (!round.ended.empty()) text += "; ended: " + round.ended;
+    text += "\n";
+  }
+  return text;
+}
+
 std::string verdict_text(const Manifest& manifest) {
   switch (manifest.status) {
     case RunStatus::kPassed:
@@ -96,8 +115,19 @@ std::string plan_table(const Plan& plan) {
     text += fmt::format("{:<{}}  {:>10}  {}\n", step.id, width, memory_text(step.peak_bytes),
                         forecast_text(step.outputs));
   }
+  text += rounds_text(plan);
   return text + fmt::format("{:<{}}  {:>10}  estimated peak of the whole run\n", "", width,
                             memory_text(plan.peak_bytes));
+}
+
+std::string rounds_text(const Plan& plan) {
+  if (!plan.feedback) return {};
+  std::vector<std::string> ids;
+  for (const PlanStep& step : plan.steps) {
+    if (step.repeats) ids.push_back(step.id);
+  }
+  return fmt::format("up to {} rounds, until the gates pass; from the second on: {}\n", plan.max_rounds(),
+                     fmt::join(ids, ", "));
 }
 
 std::string run_table(const Manifest& manifest, const std::filesystem::path& folder) {
@@ -118,7 +148,7 @@ std::string run_table(const Manifest& manifest, const std::filesystem::path& fol
   }
   text += fmt::format("{:<{}}  {:>9}  peak memory {}\n", "total", width,
                       fmt::format("{:.2f} s", manifest.wall_s), memory_text(manifest.peak_rss_bytes));
-  text += verdict_text(manifest) + "\n";
+  text += rounds_table(manifest) + verdict_text(manifest) + "\n";
   text += fmt::format("{}: run.json{}{}\n", folder.string(), files.empty() ? "" : " ", fmt::join(files, " "));
   return text;
 }

@@ -1,6 +1,6 @@
 // Declaration of `decimate` and its adapter.
 #include "pipeline/stage/stage.h"
-#include "stages/decimate/decimate.h"
+#include "stages/decimate/hints.h"
 
 namespace periost {
 
@@ -39,6 +39,8 @@ class DecimateStage final : public StageOf<DecimateOptions> {
     d.stage("decimate", 1, "Decimates an isosurface as a deformable simplex mesh.")
         .input<Isosurface>("isosurface", "The surface to decimate, open or closed.",
                            {.manifold = true, .oriented = true})
+        .optional_input<Hints>("hints",
+                               "With feedback, where edges are to be shorter or the distance smaller.")
         .output<SimplexMesh>("simplex_mesh", "The decimated model, closed if the isosurface is.",
                              {.closed = true, .manifold = true, .oriented = true})
         .param("method", &O::method, Quantity::kNone, Range::any(), "The decimation scheme.")
@@ -105,7 +107,8 @@ class DecimateStage final : public StageOf<DecimateOptions> {
   }
 
   Outputs run(const DecimateOptions& options, const Inputs& inputs, Context& context) const override {
-    return {decimate(inputs.get<Isosurface>("isosurface"), options, context)};
+    const auto hints = inputs.find<Hints>("hints");
+    return {decimate(inputs.get<Isosurface>("isosurface"), with_hints(options, hints.get()), context)};
   }
 
  private:

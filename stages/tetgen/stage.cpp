@@ -2,7 +2,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/curve_boundary.h"
 #include "pipeline/io/image_read.h"
-#include "stages/tetgen/tetgen.h"
+#include "stages/tetgen/hints.h"
 
 namespace periost {
 
@@ -49,6 +49,7 @@ class TetgenStage final : public StageOf<TetgenOptions> {
         .input<SurfaceMesh>("surface", "The surface to fill.",
                             {.closed = true, .manifold = true, .oriented = true})
         .optional_input<Isosurface>("isosurface", "What mid-side nodes are placed on with curved: true.")
+        .optional_input<Hints>("hints", "With feedback, where tetrahedra are to be smaller.")
         .output<TetMesh>("tet_mesh", "Tetrahedra with the number of their body and the boundary.")
         .param(
             "max_radius_edge", &TetgenOptions::max_radius_edge, Quantity::kNumber, Range::at_least(1),
@@ -110,7 +111,9 @@ class TetgenStage final : public StageOf<TetgenOptions> {
   }
 
   Outputs run(const TetgenOptions& options, const Inputs& inputs, Context& context) const override {
-    TetMesh mesh = tetrahedralize(inputs.get<SurfaceMesh>("surface"), options, context);
+    const auto hints = inputs.find<Hints>("hints");
+    TetMesh mesh =
+        tetrahedralize(inputs.get<SurfaceMesh>("surface"), with_hints(options, hints.get()), context);
     if (options.curved) {
       curve_boundary_and_log(mesh, inputs.get<Isosurface>("isosurface"), {options.min_jacobian},
                              "tetgen.curved", context);

@@ -1,4 +1,5 @@
 #include "pipeline/stage/stage.h"
+#include "stages/verify/hints.h"
 #include "stages/verify/verify.h"
 
 namespace periost {
@@ -39,7 +40,9 @@ class VerifyStage final : public StageOf<VerifyOptions> {
         .optional_input<SurfaceMesh>("surface", "The surface to measure.")
         .optional_input<TetMesh>("tet_mesh", "The tetrahedral mesh to measure.")
         .named_input<TetMesh>("reference", "A mesh of the undecimated isosurface, for mechanics: reference.")
+        .optional_input<Hints>("hints", "With feedback, what earlier rounds asked for.")
         .output<QualityReport>("quality", "The metrics, the gates and the verdict.")
+        .output<Hints>("hints", "What the failed gates ask of the next round.")
         .param("preset", &VerifyOptions::preset, Quantity::kNone, Range::any(),
                "The table of gates to apply.")
         .param("gates", &VerifyOptions::gates, Quantity::kNone, Range::any(),
@@ -81,8 +84,13 @@ class VerifyStage final : public StageOf<VerifyOptions> {
     const auto surface = inputs.find<SurfaceMesh>("surface");
     const auto tet_mesh = inputs.find<TetMesh>("tet_mesh");
     const auto reference = inputs.find<TetMesh>("reference");
-    return {verify({isosurface.get(), simplex_mesh.get(), surface.get(), tet_mesh.get(), reference.get()},
-                   options, context)};
+    const auto hints = inputs.find<Hints>("hints");
+    const VerifyInputs verified{isosurface.get(), simplex_mesh.get(), surface.get(),
+                                tet_mesh.get(),   reference.get(),    hints.get()};
+    QualityReport report = verify(verified, options, context);
+    Hints asked = make_hints(report, verified);
+    report.rounds = asked.rounds;
+    return {std::move(report), std::move(asked)};
   }
 };
 

@@ -8,6 +8,7 @@
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/topology.h"
 #include "pipeline/mechanics/fitness.h"
+#include "stages/verify/hints.h"
 #include "stages/verify/reference.h"
 
 namespace periost {
@@ -59,7 +60,12 @@ QualityReport verify(const VerifyInputs& inputs, const VerifyOptions& options, C
   QualityInputs measured;
   std::optional<SurfaceMesh> boundary, kept;
   if (inputs.isosurface != nullptr) measured.isosurface = &inputs.isosurface->surface;
-  if (inputs.simplex_mesh != nullptr) measured.decimation = &inputs.simplex_mesh->report;
+  DecimationReport decimation;
+  if (inputs.simplex_mesh != nullptr) {
+    decimation = inputs.simplex_mesh->report;
+    decimation.requested_distance_mm = configured_distance_mm(*inputs.simplex_mesh, inputs.hints);
+    measured.decimation = &decimation;
+  }
   // What was dropped on request is not missed.
   if (measured.isosurface && measured.decimation && measured.decimation->dropped_below > 0) {
     kept = without_small_components(*measured.isosurface, measured.decimation->dropped_below);

@@ -3,6 +3,7 @@
 // carries the verdict, and the runner decides what follows from it.
 #include "pipeline/base/context.h"
 #include "pipeline/base/quantity.h"
+#include "pipeline/data/hints.h"
 #include "pipeline/data/isosurface.h"
 #include "pipeline/data/quality_report.h"
 #include "pipeline/data/simplex_mesh.h"
@@ -34,6 +35,7 @@ struct VerifyInputs {
   const SurfaceMesh* surface = nullptr;
   const TetMesh* tet_mesh = nullptr;
   const TetMesh* reference = nullptr;  // of the undecimated isosurface; for kReference only
+  const Hints* hints = nullptr;  // that the stages ran with
 };
 
 // What is asked for, kByPreset resolved: kBasic with the presets for finite elements, else kNone.

@@ -78,6 +78,13 @@ QualityReport a_report() {
   return report;
 }
 
+Hints some_hints() {
+  Hints hints;
+  hints.hints.push_back({"decimate", "refine", 1, {{{1, 2, 3}, 4, 0.5}}, "surface.closed", 0, 1, 2, "why"});
+  hints.rounds.push_back({1, Verdict::kFail, {{"decimate.refine", "1 place"}}, "why"});
+  return hints;
+}
+
 std::vector<Artefact> one_of_each_kind() {
   Image image{oblique_frame(), {}};
   image.values.resize(image.frame.voxel_count(), -3.25f);
@@ -85,7 +92,8 @@ std::vector<Artefact> one_of_each_kind() {
       artefact_of(image),           artefact_of(Mask{oblique_frame(), {1, 0, 1}, ThresholdRange{226, 3000}}),
       artefact_of(an_isosurface()), artefact_of(a_simplex_mesh()),
       artefact_of(a_surface()),     artefact_of(a_tet_mesh()),
-      artefact_of(a_report()),      artefact_of(Deck{{"cranium.inp", "surface.stl"}})};
+      artefact_of(a_report()),      artefact_of(Deck{{"cranium.inp", "surface.stl"}}),
+      artefact_of(some_hints())};
 }
 
 TEST(Archive, EveryKindComesBackBitForBit) {

@@ -91,6 +91,67 @@ class JudgeStage final : public StageOf<JudgeOptions> {
 
 struct NoOptions {};
 
+// Moves a surface by 1 for every hint.
+class MendStage final : public StageOf<NoOptions> {
+ public:
+  explicit MendStage(FakeWorld& world) : world_(world) {}
+  void declare(Declaration<NoOptions>& d) const override {
+    d.stage("mend", 1, "Mends.")
+        .input<SurfaceMesh>("surface", "What to mend.")
+        .optional_input<Hints>("hints", "How often.")
+        .output<SurfaceMesh>("surface", "The mended one.");
+  }
+  Outputs run(const NoOptions&, const Inputs& inputs, Context&) const override {
+    ++world_.runs;
+    SurfaceMesh mesh = inputs.get<SurfaceMesh>("surface");
+    const auto hints = inputs.find<Hints>("hints");
+    for (Vec3& point : mesh.points) point.x += hints ? static_cast<double>(hints->hints.size()) : 0;
+    return {mesh};
+  }
+
+ private:
+  FakeWorld& world_;
+};
+
+struct RefereeOptions {
+  std::vector<double> scores{0};  // of rounds 1, 2, ...; a gate asks for 0
+  std::string hints_for = "mend";
+  bool is_silent = false;
+};
+
+// Judges round by round as it is told, and hints.
+class RefereeStage final : public StageOf<RefereeOptions> {
+ public:
+  void declare(Declaration<RefereeOptions>& d) const override {
+    d.stage("referee", 1, "Judges rounds.")
+        .input<SurfaceMesh>("surface", "What to judge.")
+        .optional_input<Hints>("hints", "Those of the rounds before.")
+        .output<QualityReport>("quality", "The verdict.")
+        .output<Hints>("hints", "What to mend.")
+        .param("scores", &RefereeOptions::scores, Quantity::kNumber, Range::any(), "The gate's values.")
+        .param("hints_for", &RefereeOptions::hints_for, Quantity::kNone, Range::any(), "A kind of stage.")
+        .param("is_silent", &RefereeOptions::is_silent, Quantity::kNone, Range::any(), "Gives no hints.");
+  }
+  Outputs run(const RefereeOptions& options, const Inputs& inputs, Context&) const override {
+    const auto given = inputs.find<Hints>("hints");
+    Hints hints = given ? *given : Hints{};
+    const auto round = static_cast<std::uint32_t>(hints.rounds.size() + 1);
+    const double score = options.scores.at(round - 1);
+    QualityReport report;
+    report.verdict = score > 0 ? Verdict::kFail : Verdict::kPass;
+    report.gates.push_back({"score", "<=", 0.0, {}, score, report.verdict, {}});
+    RoundNote note{round, report.verdict, {}, {}};
+    if (score > 0 && !options.is_silent) {
+      hints.hints.push_back({options.hints_for, "times", 0.5, {}, "score", score, 0, round, "too high"});
+      note.changed = {{options.hints_for + ".times", "0.5"}};
+      note.reason = "too high";
+    }
+    hints.rounds.push_back(note);
+    report.rounds = hints.rounds;
+    return {report, hints};
+  }
+};
+
 // Writes NAME.txt.
 class WriteStage final : public StageOf<NoOptions> {
  public:
@@ -117,6 +178,8 @@ inline Registry fake_registry(FakeWorld& world) {
   registry.add(std::make_unique<LoadStage>(world));
   registry.add(std::make_unique<ActStage>(world));
   registry.add(std::make_unique<JudgeStage>());
+  registry.add(std::make_unique<MendStage>(world));
+  registry.add(std::make_unique<RefereeStage>());
   registry.add(std::make_unique<WriteStage>(world));
   return registry;
 }
