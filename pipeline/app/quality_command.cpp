@@ -13,12 +13,13 @@
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/io/mesh_read.h"
 #include "pipeline/io/quality_json.h"
+#include "pipeline/mechanics/fitness.h"
 
 namespace periost {
 namespace {
 
 struct QualityCommand {
-  std::string mesh, reference, preset = "none", format = "text";
+  std::string mesh, reference, preset = "none", mechanics = "none", format = "text";
   std::vector<std::string> gates;
 };
 
@@ -80,7 +81,13 @@ int measure(const QualityCommand& command) {
   }
   Context context;
   context.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  context.sink = [](const Event& event) {
+    if (event.level == Event::Level::kWarning) fmt::print(stderr, "periost: warning: {}\n", event.text);
+  };
   Measurement measurement = measure_quality(inputs, {}, context);
+  if (command.mechanics == "basic" && inputs.tet_mesh != nullptr) {
+    measurement.report.mechanics = measure_fitness(*inputs.tet_mesh, context, measurement.worst);
+  }
   apply_gates(measurement.report, measurement.worst, *preset, gates);
   if (command.format == "json") {
     fmt::print("{}", quality_json(measurement.report));
@@ -102,6 +109,10 @@ void add_quality_command(CLI::App& app, Session& session) {
                       "Surface, or volume for its boundary, that distances are measured to.");
   command->add_option("--preset", options->preset, "Gates to apply: none, lenient, fe-standard, fe-strict.")
       ->check(CLI::IsMember({"none", "lenient", "fe-standard", "fe-strict"}));
+  command
+      ->add_option("--mechanics", options->mechanics,
+                   "Look at a tetrahedral mesh as a solver would, too: none, basic.")
+      ->check(CLI::IsMember({"none", "basic"}));
   command->add_option("--gate", options->gates, "One more gate, METRIC=LIMIT; may be repeated.");
   command->add_option("--format", options->format, "text or json (schema periost-quality/1).")
       ->check(CLI::IsMember({"text", "json"}));

@@ -1,15 +1,26 @@
 // Stretches tetrahedral meshes of one body in the frame of the first (pipeline/mechanics/stretch.h) and says
 // what each answers, as one line of JSON a mesh:
 //   bench_suitability [--threads N] FINE.vtu MESH.vtu...
+//   bench_suitability [--threads N] --frame FINE.vtu MESH.vtu...       without FINE's own answer
+// or decimates a surface by vtkQuadricDecimation to a number of triangles:
+//   bench_suitability --quadric SURFACE.vtp TRIANGLES OUT.vtp
 // scripts/suitability.py runs it for the table in docs/suitability.md.
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkQuadricDecimation.h>
+
 #include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "pipeline/io/mesh_read.h"
+#include "pipeline/io/surface_write.h"
 #include "pipeline/mechanics/stiffness.h"
 #include "pipeline/mechanics/stretch.h"
 
@@ -43,15 +54,57 @@ nlohmann::ordered_json measure(const std::string& file, std::optional<StretchFra
   return said;
 }
 
+SurfaceMesh by_quadric(const SurfaceMesh& surface, std::size_t triangles) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Vec3& p : surface.points) points->InsertNextPoint(p.x, p.y, p.z);
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c] : surface.triangles) {
+    const vtkIdType ids[3] = {a, b, c};
+    cells->InsertNextCell(3, ids);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  vtkNew<vtkQuadricDecimation> filter;
+  filter->SetInputData(data);
+  filter->SetTargetReduction(1 -
+                             static_cast<double>(triangles) / static_cast<double>(surface.triangles.size()));
+  filter->VolumePreservationOn();
+  filter->Update();
+  SurfaceMesh result;
+  result.voxel_mm = surface.voxel_mm;
+  vtkPolyData* output = filter->GetOutput();
+  for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i) {
+    const double* p = output->GetPoint(i);
+    result.points.push_back({p[0], p[1], p[2]});
+  }
+  vtkIdType corners = 0;
+  const vtkIdType* ids = nullptr;
+  vtkCellArray* polys = output->GetPolys();
+  for (polys->InitTraversal(); polys->GetNextCell(corners, ids) != 0;) {
+    result.triangles.push_back(
+        {static_cast<Index>(ids[0]), static_cast<Index>(ids[1]), static_cast<Index>(ids[2])});
+  }
+  return result;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
+  if (count == 5 && std::string(arguments[1]) == "--quadric") {
+    const AnyMesh surface = read_mesh(arguments[2]);
+    write_surface(by_quadric(std::get<SurfaceMesh>(surface), std::stoul(arguments[3])), arguments[4]);
+    return 0;
+  }
   Context context;
   std::optional<StretchFrame> frame;
   for (int i = 1; i < count; ++i) {
     const std::string argument = arguments[i];
     if (argument == "--threads" && i + 1 < count) {
       context.threads = std::stoi(arguments[++i]);
+    } else if (argument == "--frame" && i + 1 < count) {
+      frame = stretch_frame(std::get<TetMesh>(read_mesh(arguments[++i])));
     } else {
       std::cout << measure(argument, frame, context).dump() << std::endl;
     }

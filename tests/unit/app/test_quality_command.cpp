@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/io/surface_write.h"
+#include "pipeline/io/volume_write.h"
 #include "tests/support/process.h"
 #include "tests/support/surfaces.h"
+#include "tests/support/tet_meshes.h"
 
 namespace periost::test {
 namespace {
@@ -52,6 +54,17 @@ TEST_F(QualityOfFiles, AGatePassesWith0AndFailsWith3) {
   EXPECT_EQ(failed.exit_code, 3);
   EXPECT_THAT(failed.out, HasSubstr("fail: surface.min_angle_deg.min is "));
   EXPECT_THAT(failed.out, HasSubstr("verdict: fail"));
+}
+
+TEST_F(QualityOfFiles, MechanicsOfAVolumeWhenAsked) {
+  const std::string volume = (folder_.path() / "v.vtu").string();
+  write_vtu(box_mesh({.cells = {3, 3, 3}, .order = 2}), volume);
+  EXPECT_THAT(quality({volume}).out, testing::Not(HasSubstr("mechanics.")));
+  const ProcessResult basic = quality({volume, "--mechanics", "basic", "--preset", "lenient"});
+  EXPECT_EQ(basic.exit_code, 0) << basic.err;
+  EXPECT_THAT(basic.out, testing::ContainsRegex("mechanics.rigid_modes +6 "));
+  EXPECT_THAT(basic.out, HasSubstr("mechanics.cg_ratio"));
+  EXPECT_EQ(quality({volume, "--mechanics", "basic", "--gate", "mechanics.cg_ratio=0.1"}).exit_code, 3);
 }
 
 // A cube of six tetrahedra around a diagonal, as Gmsh and TetGen would write it.

@@ -12,6 +12,7 @@
 #include "pipeline/geometry/topology.h"
 #include "stages/improve/improve.h"
 #include "stages/tetgen/tetgen.h"
+#include "tests/support/fit_for_mechanics.h"
 #include "tests/support/surfaces.h"
 #include "tests/unit/stages/improve/improve_shapes.h"
 #include "tests/unit/stages/tetgen/worker_context.h"
@@ -46,6 +47,7 @@ void expect_sound(const TetMesh& mesh) {
   TetMesh again = mesh;
   test::add_boundary(again);
   EXPECT_EQ(test::sorted_boundary(again.boundary), test::sorted_boundary(mesh.boundary));
+  test::expect_fit_for_mechanics(mesh);
 }
 
 TEST(Improve, FixedBoundaryStaysToTheLastBit) {

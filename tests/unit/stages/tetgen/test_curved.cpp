@@ -12,6 +12,7 @@
 #include "stages/marching_cubes/marching_cubes.h"
 #include "stages/phantom/phantom.h"
 #include "stages/tetgen/tetgen.h"
+#include "tests/support/fit_for_mechanics.h"
 #include "tests/support/process.h"
 #include "tests/support/surfaces.h"
 #include "tests/unit/stages/tetgen/worker_context.h"
@@ -95,6 +96,7 @@ TEST_F(Curved, TheBoundarysNodesLieOnTheIsosurface) {
   EXPECT_EQ(report.moved, nodes.size());
   EXPECT_LT(largest_distance(nodes), 1e-9);
   EXPECT_GE(smallest_ratio(), 0.5);
+  test::expect_fit_for_mechanics(mesh_);
   WorstElements worst;
   EXPECT_EQ(measure_volume(mesh_, {}, worst).inverted, 0U);
   // Nothing else moves.

@@ -9,6 +9,7 @@
 #include "pipeline/io/image_write.h"
 #include "stages/tetgen/reached.h"
 #include "stages/tetgen/sizes.h"
+#include "tests/support/fit_for_mechanics.h"
 #include "tests/support/process.h"
 #include "tests/support/surfaces.h"
 #include "tests/unit/stages/tetgen/worker_context.h"
@@ -67,6 +68,7 @@ TEST(TetgenSizes, FineAtTheSurfaceAndCoarseInside) {
   options.sizes.gradation = 0.3;
   const TetMesh graded = tetrahedralize(surface, options, test::worker_context());
   EXPECT_TRUE(graded.boundary_preserved);
+  test::expect_fit_for_mechanics(graded);
   const auto near = [](Vec3 p) { return depth(p) < 2; };
   const auto far = [](Vec3 p) { return depth(p) > 14; };
   const double near_edge = recorded_edge("near", graded, surface.points.size(), near);

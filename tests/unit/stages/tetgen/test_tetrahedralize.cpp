@@ -7,6 +7,7 @@
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/tet_faces.h"
 #include "stages/tetgen/tetgen.h"
+#include "tests/support/fit_for_mechanics.h"
 #include "tests/support/process.h"
 #include "tests/support/surfaces.h"
 #include "tests/unit/stages/tetgen/worker_context.h"
@@ -45,6 +46,7 @@ void expect_sound(const TetMesh& mesh, const SurfaceMesh& surface) {
   boundary.points = mesh.points;
   boundary.triangles = mesh.boundary;
   EXPECT_NEAR(enclosed_volume(boundary), enclosed, 1e-9 * enclosed) << "boundary outward";
+  test::expect_fit_for_mechanics(mesh);
 }
 
 ErrorKind kind_of_failure(const SurfaceMesh& surface, const TetgenOptions& options, const Context& context,
