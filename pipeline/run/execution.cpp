@@ -11,17 +11,13 @@
 #include "pipeline/io/archive.h"
 #include "pipeline/param/render.h"
 #include "pipeline/run/artefact_files.h"
+#include "pipeline/run/clock.h"
 
 namespace periost {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using Place = ArtefactStore::Place;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::set<ArtefactKind> kinds_as_files(const Plan& plan, const RunOptions& options) {
   std::set<ArtefactKind> kinds;

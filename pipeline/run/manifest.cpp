@@ -43,14 +43,14 @@ Json json_of(const ErrorRecord& error) {
 }
 
 Json json_of(const Hint& hint) {
-  Json json{{"round", hint.round}, {"stage", hint.stage}, {"parameter", hint.parameter}};
+  Json object{{"round", hint.round}, {"stage", hint.stage}, {"parameter", hint.parameter}};
   if (hint.balls.empty()) {
-    json["factor"] = hint.factor;
+    object["factor"] = hint.factor;
   } else {
-    json["places"] = hint.balls.size();
+    object["places"] = hint.balls.size();
   }
-  json["reason"] = hint.reason;
-  return json;
+  object["reason"] = hint.reason;
+  return object;
 }
 
 Json json_of(const RoundRecord& record) {

@@ -11,19 +11,15 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/run/clock.h"
+
 namespace periost {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::array<const char*, 5> kLevelNames{"debug", "info", "warning", "error", "progress"};
 constexpr auto kBarPeriod = std::chrono::milliseconds(100);
 constexpr auto kPlainPeriod = std::chrono::seconds(10);
 constexpr std::size_t kBarCells = 24;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string clock_text(double seconds) {
   const auto whole = static_cast<long>(seconds + 0.5);

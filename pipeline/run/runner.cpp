@@ -10,17 +10,13 @@
 #include "pipeline/base/file.h"
 #include "pipeline/base/quantity.h"
 #include "pipeline/config/emit.h"
+#include "pipeline/run/clock.h"
 #include "pipeline/run/execution.h"
 
 namespace periost {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void write_text(const fs::path& path, const std::string& text) {
   AtomicFile file(path);

@@ -35,7 +35,7 @@ struct VerifyInputs {
   const SurfaceMesh* surface = nullptr;
   const TetMesh* tet_mesh = nullptr;
   const TetMesh* reference = nullptr;  // of the undecimated isosurface; for kReference only
-  const Hints* hints = nullptr;  // that the stages ran with
+  const Hints* hints = nullptr;        // that the stages ran with
 };
 
 // What is asked for, kByPreset resolved: kBasic with the presets for finite elements, else kNone.

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 constexpr const char* kImage = R"(periost: 1
 chain:
-  - {stage: phantom, shape: sphere, size: [18, 18, 18], radius: 6 mm}
+  - {stage: phantom, shape: cube, size: [24, 24, 24]}
   - {stage: threshold, lower: 500}
   - stage: marching_cubes
 )";
@@ -44,10 +44,9 @@ TEST_F(ReferenceChain, FillsTheIsosurfaceInABranchAndComparesWithIt) {
   const auto quality = nlohmann::json::parse(read_text(folder_.path() / "out" / "quality.json"));
   const auto& reference = quality["mechanics"]["reference"];
   EXPECT_GT(reference["fine"]["tets"], 2 * reference["mesh"]["tets"].get<int>());
-  // A ball of six voxels' radius is coarse, and so is what 0.3 voxel leaves of it.
-  EXPECT_LT(std::abs(reference["stiffness"].get<double>()), 0.25);
-  EXPECT_LT(std::abs(reference["energy"].get<double>()), 0.25);
-  EXPECT_LT(std::abs(reference["p95_von_mises"].get<double>()), 0.25);
+  EXPECT_LT(std::abs(reference["stiffness"].get<double>()), 0.02);
+  EXPECT_LT(std::abs(reference["energy"].get<double>()), 0.02);
+  EXPECT_LT(std::abs(reference["p95_von_mises"].get<double>()), 0.05);
   EXPECT_EQ(quality["volume"]["tets"], reference["mesh"]["tets"]) << "the mesh measured is the newest";
 }
 

@@ -10,7 +10,7 @@
 namespace periost {
 namespace {
 
-constexpr Material kBone{17000, 0.3};
+constexpr Material kStretchedBone{17000, 0.3};
 
 // A bar of 60 x 6 x 5 mm along y, far from the origin.
 TetMesh bar(std::array<Index, 3> cells, double shake = 0, double width = 6, double thickness = 5) {
@@ -18,7 +18,7 @@ TetMesh bar(std::array<Index, 3> cells, double shake = 0, double width = 6, doub
       {.cell = {width / cells[0], 60.0 / cells[1], thickness / cells[2]}, .cells = cells, .shake = shake});
 }
 
-Stretch stretch_of(const TetMesh& mesh, const Material& material = kBone) {
+Stretch stretch_of(const TetMesh& mesh, const Material& material = kStretchedBone) {
   return stretch(mesh, stretch_frame(mesh), material, {}).value();
 }
 
@@ -57,7 +57,7 @@ TEST(Stretch, StiffnessOfABarIsTheOneOfItsLengthAndSection) {
 TEST(Stretch, DoesNotDependOnWhereTheNodesLie) {
   const Stretch fine = stretch_of(bar({6, 60, 5}));
   for (const TetMesh& mesh : {bar({2, 13, 2}), bar({3, 17, 2}, 0.25), bar({2, 23, 3}, 0.25)}) {
-    const Stretch coarse = stretch(mesh, stretch_frame(mesh), kBone, {}).value();
+    const Stretch coarse = stretch(mesh, stretch_frame(mesh), kStretchedBone, {}).value();
     EXPECT_NEAR(coarse.stiffness / fine.stiffness, 1, 0.004);
     EXPECT_NEAR(coarse.energy / fine.energy, 1, 0.004);
     EXPECT_NEAR(coarse.p95_von_mises / fine.p95_von_mises, 1, 0.01);
@@ -91,15 +91,15 @@ TEST(Stretch, OnlyBodiesThatSpanTheFrameTakePart) {
   EXPECT_NEAR(result.stiffness, alone.stiffness, 1e-6 * alone.stiffness);
   StretchFrame longer = stretch_frame(mesh);
   longer.high += 30;
-  EXPECT_FALSE(stretch(mesh, longer, kBone, {}).has_value());
+  EXPECT_FALSE(stretch(mesh, longer, kStretchedBone, {}).has_value());
 }
 
 TEST(Stretch, HasTheSameBitsForAnyNumberOfThreads) {
   const TetMesh mesh = bar({3, 30, 3}, 0.2);
   Context context;
-  const Stretch one = stretch(mesh, stretch_frame(mesh), kBone, context).value();
+  const Stretch one = stretch(mesh, stretch_frame(mesh), kStretchedBone, context).value();
   context.threads = 3;
-  const Stretch many = stretch(mesh, stretch_frame(mesh), kBone, context).value();
+  const Stretch many = stretch(mesh, stretch_frame(mesh), kStretchedBone, context).value();
   EXPECT_EQ(one.stiffness, many.stiffness);
   EXPECT_EQ(one.energy, many.energy);
   EXPECT_EQ(one.p95_von_mises, many.p95_von_mises);

@@ -1,0 +1,13 @@
+#pragma once
+// Wall time of steps.
+#include <chrono>
+
+namespace periost {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace periost
