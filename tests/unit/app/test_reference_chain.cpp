@@ -15,8 +15,8 @@ using testing::HasSubstr;
 
 constexpr const char* kImage = R"(periost: 1
 chain:
-  - {stage: phantom, shape: cube, size: [24, 24, 24]}
-  - {stage: threshold, lower: 500}
+  - {stage: phantom, shape: cube, size: [32, 32, 32]}
+  - {stage: threshold, lower: 0.5}
   - stage: marching_cubes
 )";
 constexpr const char* kMesh = R"(  - {stage: decimate, distance: 0.3 voxel}
