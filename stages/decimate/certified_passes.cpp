@@ -18,7 +18,7 @@ constexpr double kFit = 0.5;        // of the mean height: all of it would overs
 constexpr double kLeastFit = 0.01;  // tolerances: smaller mean heights are left
 
 constexpr double kSliverFoldCosine = 0.1;  // slivers have no normal to speak of, so mending them may turn it
-constexpr double kSplitGrowth = 0.5;
+constexpr double kSplitGrowth = 0.5;       // of the sum of deficits, that a split may cost for now
 // Tell what was tried in a neighbourhood: by sliver_pass without insertions, and with them.
 constexpr std::uint32_t kSliverMark = 0x51D0, kInsertionMark = 0x51D1;
 

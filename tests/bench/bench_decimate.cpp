@@ -6,14 +6,11 @@
 // without reading, marching cubes and conversion; the least of the rounds. scripts/bench-decimate.sh runs
 // them all.
 #include <sys/resource.h>
-#include <vtkCellArray.h>
 #include <vtkDecimatePro.h>
 #include <vtkNew.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -28,6 +25,7 @@
 #include "pipeline/geometry/simplex_dual.h"
 #include "pipeline/geometry/topology.h"
 #include "pipeline/io/surface_write.h"
+#include "pipeline/run/clock.h"
 #include "stages/decimate/decimate.h"
 #include "stages/marching_cubes/marching_cubes.h"
 #include "stages/phantom/phantom.h"
@@ -35,17 +33,13 @@
 #include "stages/tetgen/tetgen.h"
 #include "stages/threshold/threshold.h"
 #include "tests/bench/cgal_decimation.h"
+#include "tests/bench/vtk_surface.h"
 
 namespace periost {
 namespace {
 
 const KeepComponents kLargest{1};
-using Clock = std::chrono::steady_clock;
 using nlohmann::json;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double processor_seconds() {
   rusage usage{};
@@ -94,37 +88,6 @@ Outcome by_periost(const Job& job) {
   const SimplexMesh mesh = decimate(job.isosurface, options, context);
   const double wall = seconds_since(start), processor = processor_seconds() - before;
   return {dual_triangulation(mesh), wall, processor};
-}
-
-vtkNew<vtkPolyData> to_vtk(const SurfaceMesh& surface) {
-  vtkNew<vtkPolyData> data;
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  for (const Vec3& p : surface.points) points->InsertNextPoint(p.x, p.y, p.z);
-  vtkNew<vtkCellArray> cells;
-  for (const auto& [a, b, c] : surface.triangles) {
-    const vtkIdType ids[3] = {a, b, c};
-    cells->InsertNextCell(3, ids);
-  }
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  return data;
-}
-
-SurfaceMesh from_vtk(vtkPolyData* data, double voxel_mm) {
-  SurfaceMesh surface;
-  surface.voxel_mm = voxel_mm;
-  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
-    const double* p = data->GetPoint(i);
-    surface.points.push_back({p[0], p[1], p[2]});
-  }
-  vtkIdType count = 0;
-  const vtkIdType* ids = nullptr;
-  for (vtkCellArray* cells = data->GetPolys(); cells->GetNextCell(count, ids);) {
-    surface.triangles.push_back(
-        {static_cast<Index>(ids[0]), static_cast<Index>(ids[1]), static_cast<Index>(ids[2])});
-  }
-  return surface;
 }
 
 template <class Filter>

@@ -5,13 +5,10 @@
 // or decimates a surface by vtkQuadricDecimation to a number of triangles:
 //   bench_suitability --quadric SURFACE.vtp TRIANGLES OUT.vtp
 // scripts/suitability.py runs it for the table in docs/suitability.md.
-#include <vtkCellArray.h>
 #include <vtkNew.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
 
-#include <chrono>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,6 +20,8 @@
 #include "pipeline/io/surface_write.h"
 #include "pipeline/mechanics/stiffness.h"
 #include "pipeline/mechanics/stretch.h"
+#include "pipeline/run/clock.h"
+#include "tests/bench/vtk_surface.h"
 
 namespace {
 
@@ -38,10 +37,10 @@ nlohmann::ordered_json measure(const std::string& file, std::optional<StretchFra
   said["tets"] = mesh->tets.size();
   said["folded"] = folded_tets(*mesh, context).size();
   if (said["folded"] > 0) return said;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const auto result = stretch(*mesh, *frame, Material{}, context);
   if (!result) return said;
-  said["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  said["seconds"] = seconds_since(start);
   said["nodes"] = result->nodes;
   said["bodies"] = result->bodies;
   said["left_out"] = result->left_out;
@@ -55,38 +54,14 @@ nlohmann::ordered_json measure(const std::string& file, std::optional<StretchFra
 }
 
 SurfaceMesh by_quadric(const SurfaceMesh& surface, std::size_t triangles) {
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  for (const Vec3& p : surface.points) points->InsertNextPoint(p.x, p.y, p.z);
-  vtkNew<vtkCellArray> cells;
-  for (const auto& [a, b, c] : surface.triangles) {
-    const vtkIdType ids[3] = {a, b, c};
-    cells->InsertNextCell(3, ids);
-  }
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points);
-  data->SetPolys(cells);
+  vtkNew<vtkPolyData> data = to_vtk(surface);
   vtkNew<vtkQuadricDecimation> filter;
   filter->SetInputData(data);
   filter->SetTargetReduction(1 -
                              static_cast<double>(triangles) / static_cast<double>(surface.triangles.size()));
   filter->VolumePreservationOn();
   filter->Update();
-  SurfaceMesh result;
-  result.voxel_mm = surface.voxel_mm;
-  vtkPolyData* output = filter->GetOutput();
-  for (vtkIdType i = 0; i < output->GetNumberOfPoints(); ++i) {
-    const double* p = output->GetPoint(i);
-    result.points.push_back({p[0], p[1], p[2]});
-  }
-  vtkIdType corners = 0;
-  const vtkIdType* ids = nullptr;
-  vtkCellArray* polys = output->GetPolys();
-  for (polys->InitTraversal(); polys->GetNextCell(corners, ids) != 0;) {
-    result.triangles.push_back(
-        {static_cast<Index>(ids[0]), static_cast<Index>(ids[1]), static_cast<Index>(ids[2])});
-  }
-  return result;
+  return from_vtk(filter->GetOutput(), surface.voxel_mm);
 }
 
 }  // namespace
