@@ -270,9 +270,15 @@ class FanOverlay {
 
   // The crossings of an isosurface edge with the fan's; whether its shadow meets the fan's.
   bool cross_lines(const Foot& a, const Foot& b, RingScratch::Visit& seen) {
+    if ((a.cell & b.cell) != 0) return true;  // both in one new triangle, which is convex
     bool meets = a.cell != 0 || b.cell != 0;
-    for (std::uint32_t left = a.sides ^ b.sides; left != 0; left &= left - 1) {
-      const auto l = static_cast<std::size_t>(std::countr_zero(left));
+    // With both ends outside, spokes are reached over the border only, whose lines come last.
+    const std::uint32_t border =
+        fan_.spokes == fan_.cells ? ~std::uint32_t{0} << fan_.spokes : ~std::uint32_t{0};
+    const std::uint32_t crossed = a.sides ^ b.sides;
+    for (std::uint32_t left = crossed; left != 0; left ^= std::bit_floor(left)) {
+      if (!meets && (left & border) == 0) break;
+      const auto l = static_cast<std::size_t>(std::bit_width(left) - 1);
       const auto& line = fan_.line[l];
       const double t = a.offset[l] / (a.offset[l] - b.offset[l]);
       const Planar p{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};

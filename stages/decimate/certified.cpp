@@ -30,7 +30,8 @@ constexpr int kStages = 6;             // removal stages by cost
 constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
 constexpr double kWorthwhile = 0.015;  // part of the triangles that a final round must remove to go on
 constexpr double kAim = 1.3;           // times the least angle: what mending aims at between removals
-constexpr int kStepsAtOnce = 2;        // of the law of motion, before the checks are asked
+// Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
+constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 3;
 constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
 constexpr int kSliverSweeps = 3;
@@ -221,8 +222,9 @@ class Schedule {
   // The steps of the law of motion, a few at a time, within what is proved.
   void deform() {
     Motion motion;
-    for (int left = options_.iterations; left > 0; left -= kStepsAtOnce) {
-      const int steps = std::min(left, kStepsAtOnce);
+    const int at_once = state_.mesh.contour.empty() ? kStepsAtOnce : kContourStepsAtOnce;
+    for (int left = options_.iterations; left > 0; left -= at_once) {
+      const int steps = std::min(left, at_once);
       const auto places = deformed_places(state_, options_, steps, motion, context_);
       sweep(kTopologySlack, [&places](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         deformation_pass(state, worker, vertices, places);
@@ -250,22 +252,18 @@ class Schedule {
     return now.area > 0 ? (volume_ - now.volume) / now.area : 0;
   }
 
-  // What moves can mend is mended in regions. Few triangles are left to insertions, so then all of space is
-  // one region and none is spared at a seam.
+  // In regions first, then in all of space at once, so that none is spared at a seam.
   void mend_slivers() {
     for (int round = 0; round < kSliverSweeps; ++round) sweep(0, sliver_pass);
+    const Spares spares = dead_elements();
+    sweep(0, sliver_pass, &spares);
     const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
     std::unique_ptr<Worker> worker = take_worker();
     worker->limits = limits_of(options_);
     worker->quota = std::numeric_limits<std::size_t>::max();
     worker->region_lo = regions[0].lo;
     worker->region_hi = regions[0].hi;
-    for (Index v = 0; v < state_.mesh.points.size(); ++v) {
-      if (state_.mesh.incident[v] == kNoIndex && !state_.mesh.is_locked[v]) worker->dead_points.push_back(v);
-    }
-    for (Index t = 0; t < state_.mesh.triangles.size(); ++t) {
-      if (!state_.mesh.triangles[t].is_alive()) worker->dead_triangles.push_back(t);
-    }
+    lend(dead_elements(), 0, 1, *worker);
     mend_with_insertions(*worker);
     for (int split = 0; split < kSplits; ++split) {
       const double limit = kSplitBelow * worker->limits.min_angle;
@@ -275,6 +273,33 @@ class Schedule {
       mend_with_insertions(*worker);
     }
     idle_.push_back(std::move(worker));
+  }
+
+  // What removals left over; insertions bring it to life again.
+  struct Spares {
+    std::vector<Index> points, triangles;
+  };
+  Spares dead_elements() const {
+    Spares spares;
+    for (Index v = 0; v < state_.mesh.points.size(); ++v) {
+      if (state_.mesh.incident[v] == kNoIndex && !state_.mesh.is_locked[v]) spares.points.push_back(v);
+    }
+    for (Index t = 0; t < state_.mesh.triangles.size(); ++t) {
+      if (!state_.mesh.triangles[t].is_alive()) spares.triangles.push_back(t);
+    }
+    return spares;
+  }
+
+  // The share of one region.
+  static void lend(const Spares& spares, std::size_t region, std::size_t regions, Worker& worker) {
+    const auto share = [&](const std::vector<Index>& from, std::vector<Index>& to) {
+      const auto at = [&](std::size_t r) {
+        return from.begin() + static_cast<std::ptrdiff_t>(r * from.size() / regions);
+      };
+      to.assign(at(region), at(region + 1));
+    };
+    share(spares.points, worker.dead_points);
+    share(spares.triangles, worker.dead_triangles);
   }
 
   void mend_with_insertions(Worker& worker) {
@@ -305,7 +330,7 @@ class Schedule {
   // Cuts space anew and runs `work` on every region, several at a time. The largest come first, so that no
   // thread is left alone with one.
   template <class Work>
-  void sweep(int topology_slack, Work&& work) {
+  void sweep(int topology_slack, Work&& work, const Spares* spares = nullptr) {
     const std::size_t left = removals_left();
     std::size_t living = 0;
     for (const Index t : state_.mesh.incident) living += t != kNoIndex ? 1 : 0;
@@ -328,6 +353,7 @@ class Schedule {
           const double share = static_cast<double>(region.vertices.size()) / static_cast<double>(living);
           worker->quota = static_cast<std::size_t>(std::ceil(share * static_cast<double>(left)));
         }
+        lend(spares ? *spares : Spares{}, i, regions.size(), *worker);
         work(state_, *worker, region.vertices);
       }
       const std::lock_guard lock(mutex_);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "stages/decimate/certified_fetch.h"
+
 namespace periost {
 namespace {
 
@@ -351,7 +353,7 @@ Vec3 fair_place(const CertifiedState& state, Index v, const Star& star) {
 }  // namespace
 
 double median_removal_cost(const CertifiedState& state) {
-  constexpr Index kStride = 7;
+  constexpr Index kStride = 31;
   std::vector<double> costs;
   Star star;
   Index seen = 0;
@@ -377,6 +379,7 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
     for (std::size_t living = 0; stop != end && living < kQueueSize; ++stop) {
       living += is_alive(state.mesh, *stop) ? 1 : 0;
     }
+    fetch_ahead(state, worker, *begin, stop[-1]);
     RemovalQueue queue(state, begin, stop, limit);
     while (worker.quota > 0 && queue.pop(candidate, star, spoke)) {
       const EdgeOfTriangle edge = edge_at(state.mesh, star, spoke);
