@@ -27,12 +27,16 @@ constexpr double kRounding = 1e-4;     // part of the tolerance kept for roundin
 constexpr double kNoticedStep = 0.1;   // tolerances
 constexpr int kSheetSide = 4;          // voxels
 constexpr int kStages = 6;             // removal stages by cost
-constexpr int kFinalRounds = 12;       // removals of any cost, each with mending, after the last stage
-constexpr double kWorthwhile = 0.015;  // part of the triangles that a final round must remove to go on
+// Rounds of removals of any cost, each with mending, after the last stage: on large surfaces, which they take
+// long on, fewer.
+constexpr int kLeastRounds = 2, kMostRounds = 12;
+constexpr std::size_t kRoundTriangles = 90'000;  // that further rounds may go over, all added up
+// Part of the triangles that a round must remove to go on; where the number of rounds is asked for, less.
+constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
 constexpr double kAim = 1.3;           // times the least angle: what mending aims at between removals
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
-constexpr int kFits = 3;
+constexpr int kFits = 2;
 constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
 constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
@@ -170,7 +174,7 @@ class Schedule {
       : state_(state),
         options_(options),
         context_(context),
-        progress_(context, "decimating", kStages + kFinalRounds + 3),
+        progress_(context, "decimating", kStages + kMostRounds + 3),
         is_border_locked_(has_locked_border(state.mesh)),
         volume_(extents_of(state).volume) {}
 
@@ -200,14 +204,7 @@ class Schedule {
   }
 
   void finish() {
-    for (int round = 0; round < kFinalRounds; ++round) {
-      const std::size_t before = living_triangles(state_.mesh);
-      sweep(kTopologySlack, final_round);
-      end_step("round");
-      const std::size_t after = living_triangles(state_.mesh);
-      if (removals_left() == 0) break;
-      if (static_cast<double>(before - after) < kWorthwhile * static_cast<double>(after)) break;
-    }
+    remove_in_rounds();
     deform();
     sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
       angle_pass(state, worker, vertices, worker.limits.min_angle);
@@ -217,6 +214,22 @@ class Schedule {
     sweep(0, swap_pass);
     mend_slivers();
     end_step("angles");
+  }
+
+  void remove_in_rounds() {
+    const bool is_asked = options_.rounds > 0;
+    const int most = is_asked ? options_.rounds : kMostRounds;
+    std::size_t gone_over = 0;
+    for (int round = 0; round < most; ++round) {
+      const std::size_t before = living_triangles(state_.mesh);
+      if (!is_asked && round >= kLeastRounds && gone_over > kRoundTriangles) break;
+      sweep(kTopologySlack, final_round);
+      end_step("round");
+      gone_over += before;
+      const std::size_t after = living_triangles(state_.mesh);
+      const double least = (is_asked ? kWorthwhileAsked : kWorthwhile) * static_cast<double>(after);
+      if (removals_left() == 0 || static_cast<double>(before - after) < least) break;
+    }
   }
 
   // The steps of the law of motion, a few at a time, within what is proved.

@@ -44,6 +44,7 @@ struct DecimateOptions {
   std::vector<EdgeLimit> refine;    // certified only
   ReverseDistance reverse = ReverseDistance::kOnce;  // certified only: tolerance of the reverse distance
   std::size_t max_triangles = 0;  // certified only: then only angles are mended; 0: to the end
+  int rounds = 0;                 // certified only: last rounds of removals; 0: as many as the size allows
   SmallComponents small_components = SmallComponents::kKeep;  // what to do with tiny closed surfaces
   int small_triangles = 100;                                  // a component with fewer triangles is tiny
   // Parts decimated apart along image planes and sewn; 0: one, or with `certified` what keeps to the budget.
