@@ -96,7 +96,7 @@ std::vector<Region> cut_regions(CertifiedState& state, std::size_t most, unsigne
   cut(place, state.sheets.side(), kShare[turn % kShare.size()], most, std::move(all), regions);
   if (regions.size() > 1) {
     lock_borders(mesh, place, regions);
-    state.sheets.refresh(mesh);
+    state.sheets.refill(mesh);
   }
   return regions;
 }

@@ -10,7 +10,6 @@ namespace periost {
 namespace {
 
 constexpr std::size_t kMostCells = std::size_t{1} << 22;
-constexpr double kStillFull = 0.9;    // part of the vertices whose loss leaves the grid good enough
 constexpr double kBeyondCell = 1e-6;  // cells; boxes are taken larger by this
 constexpr std::uint32_t kByteTops = 0x808080;
 constexpr double kConeCosine = 0.5;  // normals within 60 degrees of their mean: the disk is a height field
@@ -101,11 +100,6 @@ bool meets_neighbours(const CertifiedMesh& mesh, const Proposal& proposal, const
   return false;
 }
 
-std::size_t living_vertices(const CertifiedMesh& mesh) {
-  const auto is_alive = [](Index incident) { return incident != kNoIndex; };
-  return static_cast<std::size_t>(std::count_if(mesh.incident.begin(), mesh.incident.end(), is_alive));
-}
-
 }  // namespace
 
 std::vector<Index> close_sheets(const Reference& reference, double gap, const Context& context) {
@@ -185,16 +179,10 @@ std::size_t SheetGrid::choose_cells(const CertifiedMesh& mesh, const GridFrame& 
 }
 
 void SheetGrid::refill(const CertifiedMesh& mesh) {
-  vertices_at_fill_ = living_vertices(mesh);
   for (auto& cell : cells_) cell.clear();
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangles[t].is_alive()) insert(mesh, t);
   }
-}
-
-void SheetGrid::refresh(const CertifiedMesh& mesh) {
-  const auto living = static_cast<double>(living_vertices(mesh));
-  if (living < kStillFull * static_cast<double>(vertices_at_fill_)) refill(mesh);
 }
 
 SheetGrid::Range SheetGrid::range_of(const Box& box) const {

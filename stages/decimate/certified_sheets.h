@@ -67,9 +67,8 @@ class SheetGrid {
   bool would_intersect(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around,
                        SheetScratch& scratch);
 
-  // Enters all living triangles anew, and nothing else, when a tenth of the vertices has gone since that was
-  // done last.
-  void refresh(const CertifiedMesh& mesh);
+  // Enters all living triangles anew, and nothing else.
+  void refill(const CertifiedMesh& mesh);
 
   // Voxels a side; cell borders are at its multiples in the image's index space.
   double side() const { return side_; }
@@ -90,7 +89,6 @@ class SheetGrid {
     return {dot(row_[0], p) + shift_.x, dot(row_[1], p) + shift_.y, dot(row_[2], p) + shift_.z};
   }
   std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
-  void refill(const CertifiedMesh& mesh);
   void lay_out(const Reference& reference, const CertifiedMesh& mesh);
   void watch(const Box& box);
   void insert(const CertifiedMesh& mesh, Index triangle);
@@ -112,7 +110,6 @@ class SheetGrid {
   std::array<std::int32_t, 3> count_{};
   std::vector<std::vector<Entry>> cells_;
   std::vector<std::uint8_t> is_watched_;  // of cells; others stay empty
-  std::size_t vertices_at_fill_ = 0;
 };
 
 }  // namespace periost
