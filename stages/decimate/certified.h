@@ -31,8 +31,8 @@
 // mean signed height of the isosurface), and mending of angles under 1.3 times the least one, which makes
 // room for the next round; the law of motion (certified_deform.h), `iterations` steps, each vertex as far as
 // the checks allow; angles; fits along the normal until the surface encloses what the isosurface does, or
-// nearly; and slivers one by one. Space is cut by the data into regions that are worked on at the same time
-// (certified_regions.h).
+// nearly; and slivers one by one, the worst with all around them (certified_rescue.h). Space is cut by the
+// data into regions that are worked on at the same time (certified_regions.h).
 //
 // What is aimed for rather than guaranteed. Angles under the limit, which marching cubes makes in numbers,
 // may stay where nothing better was found: their sum of deficits never grows. Moves that make it fall may

@@ -75,6 +75,8 @@ class SheetGrid {
 
   // Enters the triangles of a proposal that has been applied.
   void insert(const CertifiedMesh& mesh, const Proposal& proposal);
+  // Enters one triangle, wherever it stood before.
+  void insert(const CertifiedMesh& mesh, Index triangle);
 
  private:
   // A triangle and the part of the cell that its box takes: 128 steps a side, one byte an axis, so that most
@@ -91,7 +93,6 @@ class SheetGrid {
   std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
   void lay_out(const Reference& reference, const CertifiedMesh& mesh);
   void watch(const Box& box);
-  void insert(const CertifiedMesh& mesh, Index triangle);
   bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
   struct Range {
     std::array<std::int32_t, 3> first, last;  // cells, inclusive

@@ -1,0 +1,226 @@
+#include "stages/decimate/certified_rescue.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "stages/decimate/certified_patch.h"
+
+namespace periost {
+namespace {
+
+constexpr int kRings = 4;            // of triangles in a patch; those in the outer two stay as they are
+constexpr int kSplitSweeps = 6;      // over all edges of a patch
+constexpr int kMendingSweeps = 12;   // while something moves
+constexpr double kGoodEnough = 0.9;  // of the least angle: no other recipe is tried
+constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
+constexpr double kFoldCosine = 0.1;  // triangles of no shape have no normal to speak of
+
+// One way of going about it.
+struct Recipe {
+  double length;           // edges longer than this are split; in mean edges of the patch
+  int evening;             // relocations of all vertices, with swaps between
+  double aim;              // of mending: in least angles
+  bool worst_angle_first;  // while mending to the aim
+};
+constexpr std::array<Recipe, 8> kRecipes{{{0.9, 2, 4.0 / 3, true},
+                                          {0.65, 2, 4.0 / 3, false},
+                                          {0.65, 2, 1.5, true},
+                                          {1.2, 4, 1.5, true},
+                                          {0.5, 2, 4.0 / 3, true},
+                                          {0.65, 4, 7.0 / 6, true},
+                                          {0.5, 4, 1.5, true},
+                                          {0.65, 4, 1.5, false}}};
+
+struct Quality {
+  double worst;     // angle, radians
+  double deficits;  // sum of their fourth powers
+
+  bool is_better_than(const Quality& other) const {
+    return worst > other.worst + kTangible && deficits < other.deficits;
+  }
+};
+
+Quality quality_of(const CertifiedState& state, const Patch& patch, double limit) {
+  Quality quality{limit, 0};
+  for (const Index t : patch.triangles()) {
+    const double angle = min_angle(corners_now(state.mesh, t));
+    quality.worst = std::min(quality.worst, angle);
+    quality.deficits += std::pow(std::max(0.0, limit - angle), 4);
+  }
+  return quality;
+}
+
+// The edge of triangle t opposite to corner k.
+struct Edge {
+  double length;  // mm
+  Index t;
+  std::size_t k;
+};
+
+double length_now(const CertifiedMesh& mesh, Index t, std::size_t k) {
+  const auto c = corners_now(mesh, t);
+  return distance(c[(k + 1) % 3], c[(k + 2) % 3]);
+}
+
+// The edges of a patch between free vertices, longest first.
+std::vector<Edge> edges_of(const CertifiedMesh& mesh, const Patch& patch) {
+  std::vector<Edge> edges;
+  for (const Index t : patch.triangles()) {
+    const LinkedTriangle& cell = mesh.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index u = cell.corner[(k + 1) % 3], v = cell.corner[(k + 2) % 3];
+      if (u > v || mesh.is_locked[u] || mesh.is_locked[v]) continue;
+      edges.push_back({length_now(mesh, t, k), t, k});
+    }
+  }
+  std::stable_sort(edges.begin(), edges.end(),
+                   [](const Edge& a, const Edge& b) { return a.length > b.length; });
+  return edges;
+}
+
+double mean_length(const std::vector<Edge>& edges) {
+  double sum = 0;
+  for (const Edge& edge : edges) sum += edge.length;
+  return edges.empty() ? 0 : sum / static_cast<double>(edges.size());
+}
+
+// Under these, angles do not count.
+GuardLimits without_angles(GuardLimits limits) {
+  limits.min_angle = 1e-3;
+  limits.growth = std::numeric_limits<double>::max();
+  limits.fold_cosine = kFoldCosine;
+  limits.min_valence = 3;
+  return limits;
+}
+
+// Inserts a dual vertex at the middle of an edge.
+bool split(CertifiedState& state, Worker& worker, const Edge& edge) {
+  const std::size_t count = worker.dead_triangles.size();
+  if (worker.dead_points.empty() || count < 2) return false;
+  const Index vertex = worker.dead_points.back();
+  Proposal& proposal = worker.proposal;
+  if (!propose_insertion(state.mesh, edge.t, edge.k, vertex,
+                         {worker.dead_triangles[count - 1], worker.dead_triangles[count - 2]}, proposal))
+    return false;
+  const Index u = proposal.rim[0], v = proposal.rim[2];
+  proposal.place = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
+  state.mesh.valence[vertex] = 0;
+  if (check_move(state, worker, edge_normal(state, u, v), 0, FirstAsked::kTriangles) != Refusal::kNone)
+    return false;
+  state.quadrics[vertex] = {};
+  state.quadrics[vertex].add_plane(state.reference.normals[proposal.place_nearest],
+                                   proposal.place - state.reference.points[0],
+                                   squared_norm(proposal.place - state.mesh.points[u]));
+  commit_move(state, worker);
+  worker.dead_points.pop_back();
+  worker.dead_triangles.resize(count - 2);
+  ++worker.counts.insertions;
+  return true;
+}
+
+// Splits edges longer than `longest`, mm, for as long as there are any that can be.
+void refine(CertifiedState& state, Worker& worker, const Patch& patch, double longest) {
+  for (int sweep = 0; sweep < kSplitSweeps; ++sweep) {
+    bool has_split = false;
+    for (const Edge& edge : edges_of(state.mesh, patch)) {
+      if (edge.length <= longest) break;
+      // Splits before it may have put another edge in its place.
+      if (length_now(state.mesh, edge.t, edge.k) == edge.length) has_split |= split(state, worker, edge);
+    }
+    if (!has_split) break;
+  }
+}
+
+// Lays the patch onto the isosurface, its vertices in the middle of their neighbours.
+void even_out(CertifiedState& state, Worker& worker, const Patch& patch, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) swap_pass(state, worker, patch.free_vertices());
+    relocation_pass(state, worker, patch.free_vertices());
+  }
+}
+
+template <class Pass>
+void sweep_while_moving(const Worker& worker, Pass&& pass) {
+  for (int sweep = 0; sweep < kMendingSweeps; ++sweep) {
+    const std::uint64_t before = worker.counts.moves();
+    pass();
+    if (worker.counts.moves() == before) break;
+  }
+}
+
+void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& worker, const Patch& patch) {
+  const GuardLimits limits = worker.limits;
+  worker.limits = without_angles(limits);
+  refine(state, worker, patch, recipe.length * mean);
+  even_out(state, worker, patch, recipe.evening);
+  worker.limits = limits;
+  worker.limits.worst_angle_first = recipe.worst_angle_first;
+  worker.limits.fold_cosine = kFoldCosine;
+  worker.limits.min_valence = 3;
+  const double aim = recipe.aim * limits.min_angle;
+  worker.limits.min_angle = aim;
+  sweep_while_moving(worker, [&] { angle_pass(state, worker, patch.free_vertices(), aim); });
+  worker.limits = limits;
+  sweep_while_moving(worker, [&] { sliver_pass(state, worker, patch.free_vertices()); });
+  removal_pass(state, worker, patch.free_vertices(), std::numeric_limits<double>::max());
+}
+
+// Follows one recipe after the other until the patch is good enough; if it never is, the best one again.
+// Counts `recipes` down. Whether anything was kept.
+bool mend_patch(CertifiedState& state, Worker& worker, Patch& patch, std::size_t& recipes) {
+  const double least = worker.limits.min_angle;
+  const double mean = mean_length(edges_of(state.mesh, patch));
+  Quality best = quality_of(state, patch, least);
+  const Recipe* best_recipe = nullptr;
+  for (const Recipe& recipe : kRecipes) {
+    if (recipes == 0) break;
+    --recipes;
+    follow(recipe, mean, state, worker, patch);
+    const Quality after = quality_of(state, patch, least);
+    const bool is_better = after.is_better_than(best);
+    if (is_better && after.worst >= kGoodEnough * least) return true;
+    if (is_better) {
+      best = after;
+      best_recipe = &recipe;
+    }
+    patch.restore();
+  }
+  if (best_recipe) follow(*best_recipe, mean, state, worker, patch);
+  return best_recipe != nullptr;
+}
+
+}  // namespace
+
+std::vector<Index> find_slivers(const CertifiedState& state, double limit) {
+  std::vector<std::pair<double, Index>> found;
+  for (Index t = 0; t < state.mesh.triangles.size(); ++t) {
+    if (!state.mesh.triangles[t].is_alive()) continue;
+    const auto corners = corners_now(state.mesh, t);
+    if (has_angle_under(corners, limit)) found.emplace_back(min_angle(corners), t);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<Index> slivers;
+  for (const auto& [angle, t] : found) slivers.push_back(t);
+  return slivers;
+}
+
+std::size_t rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
+                           const Context& context) {
+  std::size_t mended = 0;
+  for (const Index t : find_slivers(state, limit)) {
+    if (recipes == 0) break;
+    context.check_cancelled();
+    const auto corner = state.mesh.triangles[t].corner;
+    if (corner[0] == kNoIndex || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
+    Patch patch(state, worker, {corner[0], corner[1], corner[2]}, kRings);
+    const bool is_fixed =
+        std::all_of(corner.begin(), corner.end(), [&](Index v) { return state.mesh.is_locked[v] != 0; });
+    if (!is_fixed && mend_patch(state, worker, patch, recipes)) ++mended;
+  }
+  return mended;
+}
+
+}  // namespace periost
