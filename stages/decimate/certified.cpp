@@ -43,9 +43,7 @@ constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
 constexpr int kSplits = 3;
 constexpr double kSplitBelow = 0.75;  // of the least angle: slivers so bad are split in the hope of more
-// The last resort for them: so many recipes are tried at least, and one more for so many triangles.
-constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 400;
-constexpr std::size_t kRegions = 4;            // that space is cut into, as long as they are not too small
+constexpr std::size_t kRegions = 4;   // that space is cut into, as long as they are not too small
 constexpr std::size_t kLeastOfARegion = 3000;  // vertices
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
 // the limit itself removals would stop at twice the triangles.
@@ -288,7 +286,7 @@ class Schedule {
       split_pass(state_, *worker, vertices, limit);
       mend_with_insertions(*worker);
     }
-    rescue(*worker);
+    rescue_pass(state_, *worker, context_);
     idle_.push_back(std::move(worker));
   }
 
@@ -317,16 +315,6 @@ class Schedule {
     };
     share(spares.points, worker.dead_points);
     share(spares.triangles, worker.dead_triangles);
-  }
-
-  void rescue(Worker& worker) {
-    const double limit = kSplitBelow * worker.limits.min_angle;
-    const std::size_t slivers = find_slivers(state_, limit).size();
-    if (slivers == 0) return;
-    const std::size_t recipes = std::max(kLeastRecipes, living_triangles(state_.mesh) / kTrianglesPerRecipe);
-    const std::size_t mended = rescue_slivers(state_, worker, limit, recipes, context_);
-    context_.debug("decimate.rescue", std::to_string(mended) + " of " + std::to_string(slivers) +
-                                          " slivers mended by many moves at once");
   }
 
   void mend_with_insertions(Worker& worker) {

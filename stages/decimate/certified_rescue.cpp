@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "stages/decimate/certified_patch.h"
@@ -11,9 +12,12 @@
 namespace periost {
 namespace {
 
-constexpr int kRings = 4;            // of triangles in a patch; those in the outer two stay as they are
-constexpr int kSplitSweeps = 6;      // over all edges of a patch
-constexpr int kMendingSweeps = 12;   // while something moves
+constexpr int kRings = 4;           // of triangles in a patch; those in the outer two stay as they are
+constexpr int kSplitSweeps = 6;     // over all edges of a patch
+constexpr int kMendingSweeps = 12;  // while something moves
+constexpr double kFarUnder = 0.75;  // of the least angle: such triangles are rescued by rescue_pass,
+// which tries so many recipes at least, and one more for so many triangles.
+constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 400;
 constexpr double kGoodEnough = 0.9;  // of the least angle: no other recipe is tried
 constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
 constexpr double kFoldCosine = 0.1;  // triangles of no shape have no normal to speak of
@@ -221,6 +225,18 @@ std::size_t rescue_slivers(CertifiedState& state, Worker& worker, double limit, 
     if (!is_fixed && mend_patch(state, worker, patch, recipes)) ++mended;
   }
   return mended;
+}
+
+void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) {
+  const double limit = kFarUnder * worker.limits.min_angle;
+  const std::size_t slivers = find_slivers(state, limit).size();
+  if (slivers == 0) return;
+  const auto living = std::count_if(state.mesh.triangles.begin(), state.mesh.triangles.end(),
+                                    [](const LinkedTriangle& t) { return t.is_alive(); });
+  const std::size_t recipes = std::max(kLeastRecipes, static_cast<std::size_t>(living) / kTrianglesPerRecipe);
+  const std::size_t mended = rescue_slivers(state, worker, limit, recipes, context);
+  context.debug("decimate.rescue", std::to_string(mended) + " of " + std::to_string(slivers) +
+                                       " slivers mended by many moves at once");
 }
 
 }  // namespace periost
