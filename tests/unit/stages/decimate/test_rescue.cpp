@@ -80,10 +80,18 @@ struct Bench {
     Index sliver = kNoIndex;
     for (Index v = 0; v < state.mesh.points.size() && sliver == kNoIndex; ++v) {
       if (state.mesh.incident[v] == kNoIndex || !gather_star(state.mesh, v, star)) continue;
-      const Vec3 here = state.mesh.points[v], there = state.mesh.points[star.link[0]];
-      if (try_relocation(state, worker, v, here + (there - here) * 0.8, false)) {
+      const Vec3 here = state.mesh.points[v];
+      const auto link = star.link;
+      for (std::size_t i = 0; i < 2 * link.size() && sliver == kNoIndex; ++i) {
+        const Vec3 there = state.mesh.points[link[i / 2]];
+        const Vec3 place = here + (there - here) * (i % 2 == 0 ? 0.8 : 0.65);
+        if (!try_relocation(state, worker, v, place, false)) continue;
         const auto slivers = find_slivers(state, 15 * kDegree);
-        if (!slivers.empty()) sliver = slivers[0];
+        if (slivers.empty()) {
+          try_relocation(state, worker, v, here, false);
+        } else {
+          sliver = slivers[0];
+        }
       }
     }
     worker.limits = limits;
