@@ -79,7 +79,30 @@ struct ClosestSearch {
     }
   }
 
+  // The 26 cells around the home cell.
+  void test_neighbours() {
+    std::array<std::array<double, 3>, 3> gap{};  // squared, by axis: below, none, above
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      gap[a] = {axis_squared(axis, home[a] - 1), 0, axis_squared(axis, home[a] + 1)};
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (gap[2][k] > best_squared) continue;
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double row = gap[2][k] + gap[1][j];
+        if (row > best_squared) continue;
+        for (std::size_t i = 0; i < 3; ++i) {
+          if ((i == 1 && j == 1 && k == 1) || row + gap[0][i] > best_squared) continue;
+          test_cell(home[0] + static_cast<std::int32_t>(i) - 1, home[1] + static_cast<std::int32_t>(j) - 1,
+                    home[2] + static_cast<std::int32_t>(k) - 1);
+        }
+      }
+    }
+  }
+
   void test_shell(std::int32_t radius) {
+    if (radius == 0) return test_cell(home[0], home[1], home[2]);
+    if (radius == 1) return test_neighbours();
     const auto& dims = isosurface.frame.dims;
     for (std::int32_t k = std::max(home[2] - radius, -1); k <= std::min(home[2] + radius, dims[2] - 1); ++k) {
       const double k_squared = axis_squared(2, k);

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "pipeline/base/error.h"
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/tet_faces.h"
-#include "pipeline/geometry/tet_quality.h"
 #include "stages/improve/boundary_slide.h"
 #include "stages/improve/tet_improver.h"
 #include "stages/improve/thin_split.h"
@@ -96,18 +96,22 @@ TetMesh collect(const TetComplex& complex, const TetMesh& mesh) {
   return result;
 }
 
-// Faces on the boundary and between two regions.
-std::size_t wall_count(const TetMesh& mesh) {
-  return mesh.boundary.size() +
-         faces_between_regions(mesh, tet_neighbours(mesh.tets, mesh.points.size())).size();
+// Faces on the boundary and between two regions, which have two sides without neighbours.
+std::size_t wall_count(const TetComplex& complex, const TetMesh& mesh) {
+  std::size_t sides = 0;
+  for (Index t = 0; t < complex.corners.size(); ++t) {
+    if (!complex.is_live(t)) continue;
+    for (const Index other : complex.neighbours[t]) sides += other == kNoIndex ? 1 : 0;
+  }
+  return (sides + mesh.boundary.size()) / 2;
 }
 
 // The surface that the mesh was made from, with its points where they are now: the mesher keeps its used
 // points first and in order. Nothing where the boundary, with the walls of filled cavities, is not that
 // surface.
 std::optional<SurfaceMesh> moved_surface(const SurfaceMesh& surface, const TetMesh& before,
-                                         const TetMesh& after) {
-  if (!before.boundary_preserved || surface.triangles.size() != wall_count(before)) return std::nullopt;
+                                         const TetMesh& after, std::size_t walls) {
+  if (!before.boundary_preserved || surface.triangles.size() != walls) return std::nullopt;
   std::vector<std::uint8_t> is_used(surface.points.size(), 0);
   for (const Triangle& triangle : surface.triangles) {
     for (const Index corner : triangle) is_used[corner] = 1;
@@ -127,23 +131,43 @@ struct Summary {
   double least = 180, p01 = 180, greatest = 0;
 };
 
+// Cosines of the smallest and of the largest dihedral angle.
+struct Cosines {
+  double of_least = -1, of_greatest = 1;
+};
+
+Cosines dihedral_cosines(const TetComplex& complex, Index tet) {
+  std::array<Vec3, 4> normals;
+  for (int k = 0; k < 4; ++k) {
+    const auto [a, b, c] = face_of(complex.corners[tet], k);
+    const auto& p = complex.position;
+    normals[as_size(k)] = normalized(cross(p[b] - p[a], p[c] - p[a]));
+  }
+  Cosines cosines;
+  for (const auto& [i, j] : kTetEdge) {
+    const double cosine = -dot(normals[as_size(i)], normals[as_size(j)]);
+    cosines.of_least = std::max(cosines.of_least, cosine);
+    cosines.of_greatest = std::min(cosines.of_greatest, cosine);
+  }
+  return cosines;
+}
+
 Summary summary_of(const TetComplex& complex) {
-  Summary summary;
-  std::vector<double> smallest;
+  const auto degrees = [](double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0)) / Angle::deg(1).radians();
+  };
+  std::vector<double> cosines;  // descending: angles ascend
+  double of_greatest = 1;
   for (Index t = 0; t < complex.corners.size(); ++t) {
     if (!complex.is_live(t)) continue;
-    TetCorners corners;
-    for (std::size_t k = 0; k < 4; ++k) corners[k] = complex.position[complex.corners[t][k]];
-    const DihedralRange range = tet_dihedral_range(corners);
-    smallest.push_back(range.min_deg);
-    summary.greatest = std::max(summary.greatest, range.max_deg);
+    const Cosines one = dihedral_cosines(complex, t);
+    cosines.push_back(one.of_least);
+    of_greatest = std::min(of_greatest, one.of_greatest);
   }
-  if (smallest.empty()) return summary;
-  const auto place = smallest.begin() + static_cast<std::ptrdiff_t>(smallest.size() / 100);
-  std::nth_element(smallest.begin(), place, smallest.end());
-  summary.p01 = *place;
-  summary.least = *std::min_element(smallest.begin(), place + 1);
-  return summary;
+  if (cosines.empty()) return {};
+  const auto place = cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 100);
+  std::nth_element(cosines.begin(), place, cosines.end(), std::greater<>());
+  return {degrees(*std::max_element(cosines.begin(), place + 1)), degrees(*place), degrees(of_greatest)};
 }
 
 }  // namespace
@@ -192,7 +216,9 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   ImproveResult result;
   result.mesh = collect(complex, mesh);
   std::optional<SurfaceMesh> moved;
-  if (inputs.surface != nullptr) moved = moved_surface(*inputs.surface, mesh, result.mesh);
+  if (inputs.surface != nullptr) {
+    moved = moved_surface(*inputs.surface, mesh, result.mesh, wall_count(complex, mesh));
+  }
   result.surface = moved ? std::move(*moved) : boundary_surface(result.mesh);
   const Summary after = summary_of(complex);
   context.info(

@@ -59,11 +59,11 @@ struct ImproveResult {
 // between regions do not slide. Without a tolerance (neither given nor known from a decimator) the boundary
 // stays fixed, and the log says so.
 //
-// A function of its arguments alone, the same bits for any number of threads (which only sliding uses).
-// Linear in practice: some 5 microseconds a tetrahedron that TetGen leaves, and up to a millisecond a point
-// that slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality, "improve.inverted"} with the place,
-// for a tetrahedron without positive volume; {kUsage, "improve.no_voxel"} for a tolerance in voxels without
-// an image behind it; {kInterrupted}.
+// A function of its arguments alone, the same bits for any number of threads (which sliding and the search
+// for new points use). Linear in practice: some 5 microseconds a tetrahedron that TetGen leaves, and up to a
+// millisecond a point that slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality,
+// "improve.inverted"} with the place, for a tetrahedron without positive volume; {kUsage, "improve.no_voxel"}
+// for a tolerance in voxels without an image behind it; {kInterrupted}.
 ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const ImproveOptions& options,
                       const Context& context);
 

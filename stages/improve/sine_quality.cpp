@@ -42,10 +42,15 @@ double smallest_sine(const TetFan& fan, Vec3 p) {
   const double areas = fan.base * area_a * area_b * area_c;
   if (!(areas > 0)) return 0;
   const double mean = (fan.ab + fan.bc + fan.ca + to_a + to_b + to_c) / 6;
-  return volume * std::min(std::sqrt(least / areas), kCompact * kSqrt2 / (mean * std::sqrt(mean)));
+  // The squared product of the three edges at a corner, where that is largest.
+  const double corner = std::max(std::max(fan.ab * fan.ca * to_a, fan.ab * fan.bc * to_b),
+                                 std::max(fan.bc * fan.ca * to_c, to_a * to_b * to_c));
+  const double cubes =
+      std::max(mean * mean * mean / (2 * kCompact * kCompact), corner / (2 * kJacobian * kJacobian));
+  return volume * std::sqrt(std::min(least / areas, 1 / cubes));
 }
 
-void sines_with_gradients(const TetFan& fan, Vec3 p, SineGradient (&result)[7]) {
+void sines_with_gradients(const TetFan& fan, Vec3 p, SineGradient (&result)[8]) {
   const std::array<Vec3, 3> to{fan.a - p, fan.b - p, fan.c - p};
   const std::array<Vec3, 3> corner{fan.a, fan.b, fan.c};
   const double volume = -dot(to[0], fan.normal), base = std::sqrt(fan.base);
@@ -79,6 +84,21 @@ void sines_with_gradients(const TetFan& fan, Vec3 p, SineGradient (&result)[7]) 
   // The mean grows by (p - a + p - b + p - c) / 3.
   result[6].sine = per_volume * volume;
   result[6].gradient = per_volume * fan.normal + (result[6].sine / (2 * mean)) * (to[0] + to[1] + to[2]);
+
+  // The same with the largest product of the three edges at a corner; `grows` is the relative growth of it.
+  std::array<double, 3> squared;
+  for (std::size_t k = 0; k < 3; ++k) squared[k] = squared_norm(to[k]);
+  double product = squared[0] * squared[1] * squared[2];
+  Vec3 grows = -(to[0] / squared[0] + to[1] / squared[1] + to[2] / squared[2]);
+  const std::array<double, 3> at_corner{fan.ab * fan.ca, fan.ab * fan.bc, fan.bc * fan.ca};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (at_corner[k] * squared[k] <= product) continue;
+    product = at_corner[k] * squared[k];
+    grows = -(to[k] / squared[k]);
+  }
+  const double per_corner = kJacobian * kSqrt2 / std::sqrt(product);
+  result[7].sine = per_corner * volume;
+  result[7].gradient = per_corner * fan.normal - result[7].sine * grows;
 }
 
 double smallest_sine(const std::vector<TetFan>& fans, Vec3 p, double floor) {
@@ -140,13 +160,15 @@ Vec3 nearest_to_origin(const std::vector<Vec3>& points) {
   return nearest;
 }
 
-// The direction in which all sines near the smallest grow, as a gradient per mm; zero at a maximum.
-static Vec3 ascent(const std::vector<TetFan>& fans, Vec3 p, double sine, Vec3 normal) {
+// The direction in which all sines near the smallest grow, as a gradient per mm; zero at a maximum. `each`:
+// the smallest of every fan at p.
+static Vec3 ascent(const std::vector<TetFan>& fans, const std::vector<double>& each, Vec3 p, double sine,
+                   Vec3 normal) {
   std::vector<Vec3> gradients;
-  for (const TetFan& fan : fans) {
-    if (smallest_sine(fan, p) > sine + kActive) continue;
-    SineGradient all[7];
-    sines_with_gradients(fan, p, all);
+  for (std::size_t i = 0; i < fans.size(); ++i) {
+    if (each[i] > sine + kActive) continue;
+    SineGradient all[8];
+    sines_with_gradients(fans[i], p, all);
     for (const SineGradient& one : all) {
       if (one.sine <= sine + kActive) gradients.push_back(one.gradient - dot(one.gradient, normal) * normal);
     }
@@ -154,9 +176,27 @@ static Vec3 ascent(const std::vector<TetFan>& fans, Vec3 p, double sine, Vec3 no
   return gradients.empty() ? Vec3{} : nearest_to_origin(gradients);
 }
 
+// As smallest_sine(), and leaves the smallest of every fan where it exceeds the floor.
+static double smallest_sines(const std::vector<TetFan>& fans, Vec3 p, double floor,
+                             std::vector<double>& each) {
+  double least = 2;
+  each.clear();
+  for (const TetFan& fan : fans) {
+    each.push_back(smallest_sine(fan, p));
+    least = std::min(least, each.back());
+    if (least <= floor) break;
+  }
+  return least;
+}
+
 Vec3 climb(const std::vector<TetFan>& fans, Vec3 p, double target, double& sine, Vec3 normal) {
+  if (sine >= target) return p;
+  std::vector<double> here, there;
+  here.reserve(fans.size());
+  there.reserve(fans.size());
+  smallest_sines(fans, p, -2, here);
   for (int step = 0; step < kMaxSteps && sine < target; ++step) {
-    const Vec3 direction = ascent(fans, p, sine, normal);
+    const Vec3 direction = ascent(fans, here, p, sine, normal);
     const double slope = norm(direction);
     double reach = 1e300;  // no farther than a share of the way to the nearest face opposite
     for (const TetFan& fan : fans) {
@@ -167,10 +207,11 @@ Vec3 climb(const std::vector<TetFan>& fans, Vec3 p, double target, double& sine,
     const double before = sine;
     for (int halving = 0; halving <= kMaxHalvings; ++halving, length *= 0.5) {
       const Vec3 place = p + (length / slope) * direction;
-      const double reached = smallest_sine(fans, place, before);
+      const double reached = smallest_sines(fans, place, before, there);
       if (reached <= before) continue;
       p = place;
       sine = reached;
+      std::swap(here, there);
       break;
     }
     if (sine < before + kSmallestGain) break;

@@ -11,6 +11,7 @@ namespace periost {
 namespace {
 
 constexpr int kDeepestPatch = 7;
+constexpr std::size_t kMostUncovered = 8;
 constexpr std::size_t kNoTriangle = std::numeric_limits<std::size_t>::max();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -23,15 +24,11 @@ double radius_about(Vec3 middle, const SlidePatch& p) {
       std::max({squared_norm(p[0] - middle), squared_norm(p[1] - middle), squared_norm(p[2] - middle)}));
 }
 
-double squared_distance(Vec3 p, const SlidePatch& facet) {
-  return squared_norm(p - closest_point_on_triangle(p, facet[0], facet[1], facet[2]));
-}
-
 // All of the patch lies within `limit` of one triangle: its corners do, since that distance is convex.
-bool covers(const SlidePatch& facet, const SlidePatch& patch, double limit) {
-  return squared_distance(patch[0], facet) <= limit * limit &&
-         squared_distance(patch[1], facet) <= limit * limit &&
-         squared_distance(patch[2], facet) <= limit * limit;
+bool covers(const SlideFacet& facet, const SlidePatch& patch, double limit) {
+  return facet.squared_distance(patch[0]) <= limit * limit &&
+         facet.squared_distance(patch[1]) <= limit * limit &&
+         facet.squared_distance(patch[2]) <= limit * limit;
 }
 
 std::array<SlidePatch, 4> quarters(const SlidePatch& p) {
@@ -44,14 +41,14 @@ std::array<SlidePatch, 4> quarters(const SlidePatch& p) {
 // allowed. `hit`: what is nearest to its centre. `offence` becomes where it is too far.
 bool is_within(const SlidePatch& patch, const SlideReference& reference, double limit,
                const SlideReference::Hit& hit, int depth, Vec3& offence) {
-  if (hit.distance + radius_about(centre(patch), patch) <= limit || covers(hit.facet, patch, limit)) {
-    return true;
-  }
+  if (hit.distance + radius_about(centre(patch), patch) <= limit) return true;
+  const SlideFacet facet(hit.facet);
+  if (covers(facet, patch, limit)) return true;
   for (const SlidePatch& part : quarters(patch)) {
-    if (covers(hit.facet, part, limit)) continue;
+    if (covers(facet, part, limit)) continue;
     // A triangle known to be near makes the search for the nearest one short.
     const Vec3 middle = centre(part);
-    const double known = std::sqrt(squared_distance(middle, hit.facet)) * (1 + 1e-12);
+    const double known = std::sqrt(facet.squared_distance(middle)) * (1 + 1e-9);
     const std::optional<SlideReference::Hit> nearest = reference.closest(middle, std::min(limit, known));
     if (!nearest || depth + 1 == kDeepestPatch) {
       offence = middle;
@@ -75,22 +72,60 @@ Vec3 barycentric(const SlidePatch& patch, Vec3 q) {
 // distance; kNoTriangle without any.
 std::size_t nearest_patch(const BoxedPatches& patches, Vec3 p, double& least) {
   std::size_t nearest = kNoTriangle;
-  for (std::size_t i = 0; i < patches.patch.size(); ++i) {
+  for (std::size_t i = 0; i < patches.facet.size(); ++i) {
     if (patches.box[i].squared_distance(p) >= least) continue;
-    const double squared = squared_distance(p, patches.patch[i]);
-    if (squared >= least) continue;
+    const double squared = patches.facet[i].squared_distance(p);
+    if (!(squared < least)) continue;
     least = squared;
     nearest = i;
   }
   return nearest;
 }
 
+// Appends the patches whose boxes are within `reach` of the point along each axis.
+void take_near(const BoxedPatches& patches, Vec3 p, double reach, std::vector<const SlideFacet*>& near) {
+  const Vec3 low = p - Vec3{reach, reach, reach}, high = p + Vec3{reach, reach, reach};
+  for (std::size_t i = 0; i < patches.facet.size(); ++i) {
+    if (patches.box[i].meets({low, high})) near.push_back(&patches.facet[i]);
+  }
+}
+
 }  // namespace
 
+SlideFacet::SlideFacet(const SlidePatch& corners)
+    : a(corners[0]),
+      ab(corners[1] - corners[0]),
+      ac(corners[2] - corners[0]),
+      normal(cross(ab, ac)),
+      ab_ab(squared_norm(ab)),
+      ab_ac(dot(ab, ac)),
+      ac_ac(squared_norm(ac)),
+      per_normal(1 / squared_norm(normal)) {}
+
+double SlideFacet::squared_distance(Vec3 p) const {
+  // As closest_point_on_triangle(), whose six products with the two sides follow from two of them.
+  const Vec3 ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return squared_norm(ap);
+  const double d3 = d1 - ab_ab, d4 = d2 - ab_ac;
+  if (d3 >= 0 && d4 <= d3) return squared_norm(ap - ab);
+  if (d1 * d4 <= d3 * d2 && d1 >= 0 && d3 <= 0) return squared_norm(ap - ab * (d1 / ab_ab));
+  const double d5 = d1 - ab_ac, d6 = d2 - ac_ac;
+  if (d6 >= 0 && d5 <= d6) return squared_norm(ap - ac);
+  if (d5 * d2 <= d1 * d6 && d2 >= 0 && d6 <= 0) return squared_norm(ap - ac * (d2 / ac_ac));
+  const double from_b = d4 - d3, from_c = d5 - d6;
+  if (d3 * d6 <= d5 * d4 && from_b >= 0 && from_c >= 0) {
+    return squared_norm(ap - ab - (ac - ab) * (from_b / (from_b + from_c)));
+  }
+  const double height = dot(normal, ap);
+  return height * height * per_normal;
+}
+
 void BoxedPatches::assign(const std::vector<SlidePatch>& patches) {
-  patch = patches;
+  facet.clear();
   box.assign(patches.size(), {});
   for (std::size_t i = 0; i < patches.size(); ++i) {
+    facet.emplace_back(patches[i]);
     for (const Vec3 corner : patches[i]) box[i].take(corner);
   }
 }
@@ -143,53 +178,54 @@ void SlideReference::near(const ImproveBox& box, std::vector<Index>& triangles) 
 void SlideDistance::begin(Vec3 point, const std::vector<SlidePatch>& star) {
   point_ = point;
   star_.assign(star);
+  star_box_ = {};
+  star_radius_ = 0;
+  for (const SlidePatch& patch : star) {
+    for (const Vec3 corner : patch) {
+      star_box_.take(corner);
+      star_radius_ = std::max(star_radius_, distance(corner, point));
+    }
+  }
   offence_.reset();
   is_gathered_ = false;
   has_rest_ = false;
 }
 
 bool SlideDistance::is_near(const std::vector<SlidePatch>& moved, Vec3 point) {
-  // Single points first, as most places that are too far are found out so: the point itself, the place that
-  // was too far last time, and a few of every triangle.
+  // Single points first, as most places that are too far are found out so: the point itself, the place
+  // that was too far last time, and a few of every triangle.
   if (!reference_.closest(point, limit_)) return false;
   if (offence_) {
     const SlidePatch& patch = moved[offender_];
     const Vec3 again = offence_->x * patch[0] + offence_->y * patch[1] + offence_->z * patch[2];
     if (!reference_.closest(again, limit_)) return false;
   }
-  quarter_hits_.resize(moved.size());
+  parts_.clear();
   for (std::size_t t = 0; t < moved.size(); ++t) {
-    const std::array<SlidePatch, 4> parts = quarters(moved[t]);
-    for (std::size_t q = 0; q < parts.size(); ++q) {
-      const std::optional<SlideReference::Hit> hit = reference_.closest(centre(parts[q]), limit_);
+    for (const SlidePatch& quarter : quarters(moved[t])) {
+      const std::optional<SlideReference::Hit> hit = reference_.closest(centre(quarter), limit_);
       if (!hit) return false;
-      quarter_hits_[t][q] = *hit;
+      parts_.push_back({quarter, t, *hit});
     }
   }
-  for (std::size_t t = 0; t < moved.size(); ++t) {
-    const std::array<SlidePatch, 4> parts = quarters(moved[t]);
-    for (std::size_t q = 0; q < parts.size(); ++q) {
-      Vec3 place;
-      if (is_within(parts[q], reference_, limit_, quarter_hits_[t][q], 1, place)) continue;
-      offender_ = t;
-      offence_ = barycentric(moved[t], place);
-      return false;
-    }
+  // Where it is far already, it is likely to be too far.
+  std::sort(parts_.begin(), parts_.end(),
+            [](const Part& a, const Part& b) { return a.hit.distance > b.hit.distance; });
+  for (const Part& part : parts_) {
+    Vec3 place;
+    if (is_within(part.patch, reference_, limit_, part.hit, 1, place)) continue;
+    offender_ = part.triangle;
+    offence_ = barycentric(moved[part.triangle], place);
+    return false;
   }
   return true;
 }
 
 void SlideDistance::gather() {
   is_gathered_ = true;
-  facets_.clear();
-  ImproveBox box;
-  double radius = 0;
-  for (const SlidePatch& patch : star_.patch) {
-    for (const Vec3 corner : patch) {
-      box.take(corner);
-      radius = std::max(radius, distance(corner, point_));
-    }
-  }
+  triangles_.clear();
+  uncovered_ = 0;
+  ImproveBox box = star_box_;
   box.widen(limit_);
   reference_.near(box, near_);
   const SurfaceMesh& surface = reference_.surface();
@@ -197,11 +233,11 @@ void SlideDistance::gather() {
     const auto& [a, b, c] = surface.triangles[t];
     const SlidePatch patch{surface.points[a], surface.points[b], surface.points[c]};
     const Vec3 middle = centre(patch);
-    const double reach = limit_ + radius_about(middle, patch), far = radius + reach;
+    const double reach = limit_ + radius_about(middle, patch), far = star_radius_ + reach;
     if (squared_norm(middle - point_) > far * far) continue;
     double least = std::nextafter(reach * reach, kInfinity);
     const std::size_t nearest = nearest_patch(star_, middle, least);
-    if (nearest != kNoTriangle) facets_.push_back({patch, nearest, kNoTriangle});
+    if (nearest != kNoTriangle) triangles_.push_back({patch, nearest});
   }
 }
 
@@ -210,41 +246,63 @@ bool SlideDistance::is_covered(const std::vector<SlidePatch>& moved, const std::
   moved_.assign(moved);
   if (!has_rest_) rest_.assign(rest);
   has_rest_ = true;
-  for (std::size_t i = 0; i < facets_.size(); ++i) {
-    if (is_covered(facets_[i])) continue;
-    std::swap(facets_[0], facets_[i]);  // likely to fail the next time, too
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    if (is_covered(triangles_[i])) continue;
+    // Likely to fail the next time, too.
+    if (i < uncovered_) return false;
+    if (uncovered_ < kMostUncovered) ++uncovered_;
+    std::swap(triangles_[uncovered_ - 1], triangles_[i]);
     return false;
   }
   return true;
 }
 
-bool SlideDistance::is_covered(Facet& facet) const {
-  if (covers(moved_.patch[facet.near_star], facet.patch, limit_)) return true;
-  if (facet.near_rest == kNoTriangle) {
-    double least = kInfinity;
-    facet.near_rest = nearest_patch(rest_, centre(facet.patch), least);
+bool SlideDistance::is_uncovered_again(const std::vector<SlidePatch>& moved) {
+  if (!has_rest_ || uncovered_ == 0) return false;
+  moved_.assign(moved);
+  for (std::size_t i = 0; i < uncovered_; ++i) {
+    if (!is_covered(triangles_[i])) return true;
   }
-  if (facet.near_rest != kNoTriangle && covers(rest_.patch[facet.near_rest], facet.patch, limit_)) {
-    return true;
-  }
-  return is_part_covered(facet.patch, nullptr, 0);
+  return false;
 }
 
-bool SlideDistance::is_part_covered(const SlidePatch& part, const SlidePatch* hint, int depth) const {
+bool SlideDistance::is_covered(const NearTriangle& triangle) {
+  if (covers(moved_.facet[triangle.near_star], triangle.patch, limit_)) return true;
+  const Vec3 middle = centre(triangle.patch);
+  const double reach = limit_ + radius_about(middle, triangle.patch);
+  candidates_.clear();
+  take_near(moved_, middle, reach, candidates_);
+  take_near(rest_, middle, reach, candidates_);
+  return is_part_covered(triangle.patch, nullptr, 0, candidates_.size(), 0);
+}
+
+// candidates_[first .. last) are all that can cover any of the part.
+bool SlideDistance::is_part_covered(const SlidePatch& part, const SlideFacet* hint, std::size_t first,
+                                    std::size_t last, int depth) {
   if (hint != nullptr && covers(*hint, part, limit_)) return true;
   const Vec3 middle = centre(part);
-  double least = kInfinity;
-  const std::size_t of_moved = nearest_patch(moved_, middle, least);
-  const std::size_t of_rest = nearest_patch(rest_, middle, least);
-  const SlidePatch& nearest = of_rest != kNoTriangle ? rest_.patch[of_rest] : moved_.patch[of_moved];
   const double radius = radius_about(middle, part);
-  if (std::sqrt(least) + radius <= limit_ || covers(nearest, part, limit_)) return true;
-  double reach = std::nextafter((limit_ + radius) * (limit_ + radius), kInfinity);
-  if (nearest_patch(star_, middle, reach) == kNoTriangle) return true;
+  const double reach = std::nextafter((limit_ + radius) * (limit_ + radius), kInfinity);
+  candidates_.resize(last);
+  double least = kInfinity;
+  const SlideFacet* nearest = nullptr;
+  for (std::size_t i = first; i < last; ++i) {
+    const double squared = candidates_[i]->squared_distance(middle);
+    if (!(squared <= reach)) continue;
+    candidates_.push_back(candidates_[i]);
+    if (squared >= least) continue;
+    least = squared;
+    nearest = candidates_[i];
+  }
+  const std::size_t end = candidates_.size();
+  if (std::sqrt(least) + radius <= limit_) return true;
+  if (nearest != nullptr && covers(*nearest, part, limit_)) return true;
+  double nearest_old = reach;
+  if (nearest_patch(star_, middle, nearest_old) == kNoTriangle) return true;
   if (depth == kDeepestPatch) return false;
   const std::array<SlidePatch, 4> parts = quarters(part);
   return std::all_of(parts.begin(), parts.end(), [&](const SlidePatch& quarter) {
-    return is_part_covered(quarter, &nearest, depth + 1);
+    return is_part_covered(quarter, nearest, last, end, depth + 1);
   });
 }
 

@@ -40,9 +40,21 @@ class SlideReference {
 // The corners of a triangle, or of a part of one.
 using SlidePatch = std::array<Vec3, 3>;
 
+// A triangle with what is the same for all points whose distance to it is asked.
+struct SlideFacet {
+  SlideFacet() = default;
+  explicit SlideFacet(const SlidePatch& corners);
+  // From a point to the nearest of the triangle; NaN may come of a degenerate one.
+  double squared_distance(Vec3 p) const;
+
+  Vec3 a, ab, ac, normal;
+  double ab_ab = 0, ab_ac = 0, ac_ac = 0;
+  double per_normal = 0;  // 1 / |normal|^2
+};
+
 // Triangles with their boxes, for many searches of the nearest.
 struct BoxedPatches {
-  std::vector<SlidePatch> patch;
+  std::vector<SlideFacet> facet;
   std::vector<ImproveBox> box;
   void assign(const std::vector<SlidePatch>& patches);
 };
@@ -64,30 +76,43 @@ class SlideDistance {
   // the star's box. `rest` must be the same from one begin() to the next. As for a false, see is_near().
   bool is_covered(const std::vector<SlidePatch>& moved, const std::vector<SlidePatch>& rest);
 
+  // Whether what was not covered after other moves of the point is not after this one: a quick no.
+  bool is_uncovered_again(const std::vector<SlidePatch>& moved);
+
  private:
-  struct Facet {  // of the reference
+  struct NearTriangle {  // of the reference
     SlidePatch patch;
     std::size_t near_star;  // the triangle of the star that is likely to cover it
-    std::size_t near_rest;  // the triangle of the rest that is
   };
   void gather();
-  bool is_covered(Facet& facet) const;
+  bool is_covered(const NearTriangle& triangle);
   // `hint`: a triangle that is likely to cover the part, or null.
-  bool is_part_covered(const SlidePatch& part, const SlidePatch* hint, int depth) const;
+  bool is_part_covered(const SlidePatch& part, const SlideFacet* hint, std::size_t first, std::size_t last,
+                       int depth);
 
   const SlideReference& reference_;
   double limit_;
   Vec3 point_;
   BoxedPatches star_, moved_;
+  ImproveBox star_box_;
+  double star_radius_ = 0;  // from the point
   // Where a moved triangle was too far last time.
   std::size_t offender_ = 0;
   std::optional<Vec3> offence_;  // weights of its corners
   bool is_gathered_ = false;
   std::vector<Index> near_;
-  std::vector<Facet> facets_;  // those that the star may be near to
+  std::vector<NearTriangle> triangles_;
+  std::size_t uncovered_ =
+      0;  // the first of them, which some move left uncovered  // those that the star may be near to
   bool has_rest_ = false;
   BoxedPatches rest_;
-  std::vector<std::array<SlideReference::Hit, 4>> quarter_hits_;  // of the moved triangles
+  struct Part {  // a quarter of a moved triangle
+    SlidePatch patch;
+    std::size_t triangle;
+    SlideReference::Hit hit;
+  };
+  std::vector<Part> parts_;
+  std::vector<const SlideFacet*> candidates_;  // a stack of lists
 };
 
 }  // namespace periost

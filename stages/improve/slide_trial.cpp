@@ -152,7 +152,7 @@ bool SlideTrial::keeps_apart(Vec3 place) {
 bool SlideTrial::keeps_distance(Vec3 place) {
   moved_.clear();
   for (const Index t : slide_.triangles_at(move_.point)) moved_.push_back(patch(t, place));
-  if (!distance_.is_near(moved_, place)) return false;
+  if (distance_.is_uncovered_again(moved_) || !distance_.is_near(moved_, place)) return false;
   gather();
   return distance_.is_covered(moved_, rest_);
 }

@@ -24,10 +24,10 @@ TetImprover::TetImprover(TetComplex& complex, BoundarySlide* slide, double max_g
     : complex_(complex),
       removal_(complex),
       smoothing_(complex),
-      cavity_(complex),
       slide_(slide),
       context_(context),
       most_(static_cast<std::size_t>(static_cast<double>(complex.live) * (1 + max_growth))) {
+  while (cavities_.size() < kGroup) cavities_.emplace_back(complex);
   while (slide != nullptr && trials_.size() < kGroup) trials_.emplace_back(*slide);
 }
 
@@ -51,16 +51,26 @@ void TetImprover::drain() {
   const std::uint64_t most_tries = kTriesPerTet * (queue_.size() + 1000);
   const bool is_sliding = round_.is_sliding && slide_ != nullptr;
   group_.clear();
+  insert_group_.clear();
   for (std::uint64_t tries = 0; tries < most_tries; ++tries) {
     if (tries % kPollEvery == 0) context_.check_cancelled();
-    if (queue_.empty() || group_.size() == kGroup) {
+    if (insert_group_.size() == kGroup || (queue_.empty() && !insert_group_.empty())) {
+      insert_group();
+      continue;
+    }
+    if (queue_.empty() || group_.size() >= kGroup) {
       if (group_.empty()) break;
       slide_group();
       continue;
     }
     const Bad bad = queue_.top();
     queue_.pop();
-    if (is_current(bad) && !attack(bad.tet) && is_sliding) group_.push_back(bad);
+    if (!is_current(bad) || attack(bad.tet)) continue;
+    if (round_.is_inserting) {
+      insert_group_.push_back(bad);
+    } else if (is_sliding) {
+      group_.push_back(bad);
+    }
   }
   queue_ = {};
 }
@@ -71,7 +81,7 @@ bool TetImprover::smooth(Index point) {
   return true;
 }
 
-// All means but sliding; false where none of them changes the tetrahedron.
+// Means that need no other point; false where none of them changes the tetrahedron.
 bool TetImprover::attack(Index tet) {
   if (removal_.remove_any(tet, room())) {
     queue_all(complex_.placed);
@@ -82,12 +92,36 @@ bool TetImprover::attack(Index tet) {
   for (const Index point : corners) {
     if (smooth(point) && complex_.quality[tet] >= round_.target) return true;
   }
-  if (complex_.version[tet] != version) return true;
-  if (!round_.is_inserting || !cavity_.insert(tet, round_.target, room(), round_.price)) return false;
-  const std::vector<Index> placed = complex_.placed;
-  queue_all(placed);
-  smooth_around(placed);
-  return true;
+  return complex_.version[tet] != version;
+}
+
+// Searches for all of the group side by side; makes what was found, worst first, unless one made before has
+// changed what it is made of. Where nothing was found, boundary points may help.
+void TetImprover::insert_group() {
+  std::erase_if(insert_group_, [&](const Bad& bad) { return !is_current(bad); });
+  const std::size_t count = insert_group_.size(), most = room();
+  std::vector<std::uint8_t> is_found(count, 0);
+  parallel_for(context_, count, [&](std::size_t i) {
+    is_found[i] = cavities_[i].find(insert_group_[i].tet, round_.target, most, round_.price) ? 1 : 0;
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    const Bad bad = insert_group_[i];
+    if (!is_current(bad)) continue;
+    TetCavity& cavity = cavities_[i];
+    if (is_found[i] == 0) {
+      if (round_.is_sliding && slide_ != nullptr) group_.push_back(bad);
+      continue;
+    }
+    if (!cavity.is_current()) {
+      queue(bad.tet);
+      continue;
+    }
+    if (cavity.growth() > static_cast<std::ptrdiff_t>(room()) || !cavity.make()) continue;
+    const std::vector<Index> placed = complex_.placed;
+    queue_all(placed);
+    smooth_around(placed);
+  }
+  insert_group_.clear();
 }
 
 void TetImprover::smooth_around(const std::vector<Index>& placed) {
@@ -110,12 +144,15 @@ bool TetImprover::try_corners(SlideTrial& trial, Index tet) const {
 // Tries those of the group that do not depend on each other, side by side; makes the moves that were found;
 // keeps the others for the next time.
 void TetImprover::slide_group() {
+  std::erase_if(group_, [&](const Bad& bad) { return !is_current(bad); });
+  std::vector<ImproveBox> boxes(group_.size());
+  parallel_for(context_, group_.size(), [&](std::size_t i) { boxes[i] = slide_->reach(group_[i].tet); });
   std::vector<Bad> later;
   std::size_t count = 0;
   reach_.clear();
-  for (const Bad& bad : group_) {
-    if (!is_current(bad)) continue;
-    const ImproveBox box = slide_->reach(bad.tet);
+  for (std::size_t i = 0; i < group_.size(); ++i) {
+    const Bad bad = group_[i];
+    const ImproveBox& box = boxes[i];
     if (std::any_of(reach_.begin(), reach_.end(),
                     [&](const ImproveBox& other) { return other.meets(box); })) {
       later.push_back(bad);

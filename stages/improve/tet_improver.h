@@ -31,7 +31,8 @@ class TetImprover {
 
   // Works on all tetrahedra below the target, worst first: edges and faces are taken out, points inside move,
   // new ones are put in, boundary points slide. Boundary points move in groups that do not depend on each
-  // other, on all threads; groups are made by the data alone.
+  // other, on all threads; groups are made by the data alone. New points are searched for in groups, too, and
+  // put in one after the other, where what was found is still there.
   void round(const ImproveRound& round);
 
   // For the few tetrahedra that are left below `limit`: all means for all that is around them, with small
@@ -60,6 +61,7 @@ class TetImprover {
   void queue_all(const std::vector<Index>& tets);
   void drain();
   bool attack(Index tet);
+  void insert_group();
   bool smooth(Index point);
   void smooth_around(const std::vector<Index>& placed);
   void slide_group();
@@ -71,13 +73,14 @@ class TetImprover {
   TetComplex& complex_;
   TetRemoval removal_;
   TetSmoothing smoothing_;
-  TetCavity cavity_;
   BoundarySlide* slide_;
   const Context& context_;
   std::size_t most_;
   ImproveRound round_;
   std::priority_queue<Bad> queue_;
   std::vector<Index> points_;
+  std::vector<Bad> insert_group_;  // tetrahedra around which points are to be put in
+  std::vector<TetCavity> cavities_;
   std::vector<Bad> group_;  // tetrahedra for which boundary points are to move
   std::vector<ImproveBox> reach_;
   std::vector<SlideTrial> trials_;
