@@ -12,13 +12,14 @@
 namespace periost {
 namespace {
 
-constexpr int kRings = 4;           // of triangles in a patch; those in the outer two stay as they are
-constexpr int kSplitSweeps = 6;     // over all edges of a patch
-constexpr int kMendingSweeps = 12;  // while something moves
-constexpr double kFarUnder = 0.75;  // of the least angle: such triangles are rescued by rescue_pass,
-// which tries so many recipes at least, and one more for so many triangles.
-constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 400;
-constexpr double kGoodEnough = 0.9;  // of the least angle: no other recipe is tried
+constexpr int kRings = 4;        // of triangles in a patch; those in the outer two stay as they are
+constexpr int kSplitSweeps = 6;  // over all edges of a patch
+constexpr int kMendingSweeps = 12, kLastSweeps = 3;  // at most, while something moves
+// Of the least angle: triangles under it are rescued by rescue_pass.
+constexpr double kFarUnder = 0.75;
+constexpr double kGoodEnough = 0.8;  // likewise: no other recipe is tried
+// rescue_pass tries so many recipes at least, and one for so many triangles.
+constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 2000;
 constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
 constexpr double kFoldCosine = 0.1;  // triangles of no shape have no normal to speak of
 
@@ -29,14 +30,12 @@ struct Recipe {
   double aim;              // of mending: in least angles
   bool worst_angle_first;  // while mending to the aim
 };
-constexpr std::array<Recipe, 8> kRecipes{{{0.9, 2, 4.0 / 3, true},
+constexpr std::array<Recipe, 6> kRecipes{{{0.9, 2, 4.0 / 3, true},
                                           {0.65, 2, 4.0 / 3, false},
                                           {0.65, 2, 1.5, true},
+                                          {0.65, 4, 1.5, false},
                                           {1.2, 4, 1.5, true},
-                                          {0.5, 2, 4.0 / 3, true},
-                                          {0.65, 4, 7.0 / 6, true},
-                                          {0.5, 4, 1.5, true},
-                                          {0.65, 4, 1.5, false}}};
+                                          {0.65, 4, 7.0 / 6, true}}};
 
 struct Quality {
   double worst;     // angle, radians
@@ -147,8 +146,8 @@ void even_out(CertifiedState& state, Worker& worker, const Patch& patch, int rou
 }
 
 template <class Pass>
-void sweep_while_moving(const Worker& worker, Pass&& pass) {
-  for (int sweep = 0; sweep < kMendingSweeps; ++sweep) {
+void sweep_while_moving(const Worker& worker, int most, Pass&& pass) {
+  for (int sweep = 0; sweep < most; ++sweep) {
     const std::uint64_t before = worker.counts.moves();
     pass();
     if (worker.counts.moves() == before) break;
@@ -166,9 +165,9 @@ void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& wo
   worker.limits.min_valence = 3;
   const double aim = recipe.aim * limits.min_angle;
   worker.limits.min_angle = aim;
-  sweep_while_moving(worker, [&] { angle_pass(state, worker, patch.free_vertices(), aim); });
+  sweep_while_moving(worker, kMendingSweeps, [&] { angle_pass(state, worker, patch.free_vertices(), aim); });
   worker.limits = limits;
-  sweep_while_moving(worker, [&] { sliver_pass(state, worker, patch.free_vertices()); });
+  sweep_while_moving(worker, kLastSweeps, [&] { sliver_pass(state, worker, patch.free_vertices()); });
   removal_pass(state, worker, patch.free_vertices(), std::numeric_limits<double>::max());
 }
 
@@ -196,6 +195,14 @@ bool mend_patch(CertifiedState& state, Worker& worker, Patch& patch, std::size_t
   return best_recipe != nullptr;
 }
 
+// Whether no lock is near: pieces leave what lies at their borders to one another.
+bool is_free_around(const CertifiedMesh& mesh, const std::array<Index, 3>& corner) {
+  Star star;
+  return std::all_of(corner.begin(), corner.end(), [&](Index v) {
+    return !mesh.is_locked[v] && gather_ring(mesh, v, star) && !is_any_locked(mesh, star.link);
+  });
+}
+
 }  // namespace
 
 std::vector<Index> find_slivers(const CertifiedState& state, double limit) {
@@ -219,10 +226,9 @@ std::size_t rescue_slivers(CertifiedState& state, Worker& worker, double limit, 
     context.check_cancelled();
     const auto corner = state.mesh.triangles[t].corner;
     if (corner[0] == kNoIndex || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
+    if (!is_free_around(state.mesh, corner)) continue;
     Patch patch(state, worker, {corner[0], corner[1], corner[2]}, kRings);
-    const bool is_fixed =
-        std::all_of(corner.begin(), corner.end(), [&](Index v) { return state.mesh.is_locked[v] != 0; });
-    if (!is_fixed && mend_patch(state, worker, patch, recipes)) ++mended;
+    if (mend_patch(state, worker, patch, recipes)) ++mended;
   }
   return mended;
 }
