@@ -17,9 +17,8 @@ constexpr int kSplitSweeps = 6;  // over all edges of a patch
 constexpr int kMendingSweeps = 12, kLastSweeps = 3;  // at most, while something moves
 // Of the least angle: triangles under it are rescued by rescue_pass.
 constexpr double kFarUnder = 0.75;
-constexpr double kGoodEnough = 0.8;  // likewise: no other recipe is tried
 // rescue_pass tries so many recipes at least, and one for so many triangles.
-constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 2000;
+constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 800;
 constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
 constexpr double kFoldCosine = 0.1;  // triangles of no shape have no normal to speak of
 
@@ -171,28 +170,16 @@ void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& wo
   removal_pass(state, worker, patch.free_vertices(), std::numeric_limits<double>::max());
 }
 
-// Follows one recipe after the other until the patch is good enough; if it never is, the best one again.
-// Counts `recipes` down. Whether anything was kept.
-bool mend_patch(CertifiedState& state, Worker& worker, Patch& patch, std::size_t& recipes) {
+// Follows the recipe in the patch around a triangle. Whether the result was kept.
+bool mend_around(CertifiedState& state, Worker& worker, Index t, const Recipe& recipe) {
+  const auto corner = state.mesh.triangles[t].corner;
   const double least = worker.limits.min_angle;
-  const double mean = mean_length(edges_of(state.mesh, patch));
-  Quality best = quality_of(state, patch, least);
-  const Recipe* best_recipe = nullptr;
-  for (const Recipe& recipe : kRecipes) {
-    if (recipes == 0) break;
-    --recipes;
-    follow(recipe, mean, state, worker, patch);
-    const Quality after = quality_of(state, patch, least);
-    const bool is_better = after.is_better_than(best);
-    if (is_better && after.worst >= kGoodEnough * least) return true;
-    if (is_better) {
-      best = after;
-      best_recipe = &recipe;
-    }
-    patch.restore();
-  }
-  if (best_recipe) follow(*best_recipe, mean, state, worker, patch);
-  return best_recipe != nullptr;
+  Patch patch(state, worker, {corner[0], corner[1], corner[2]}, kRings);
+  const Quality before = quality_of(state, patch, least);
+  follow(recipe, mean_length(edges_of(state.mesh, patch)), state, worker, patch);
+  if (quality_of(state, patch, least).is_better_than(before)) return true;
+  patch.restore();
+  return false;
 }
 
 // Whether no lock is near: pieces leave what lies at their borders to one another.
@@ -218,19 +205,19 @@ std::vector<Index> find_slivers(const CertifiedState& state, double limit) {
   return slivers;
 }
 
-std::size_t rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
-                           const Context& context) {
-  std::size_t mended = 0;
-  for (const Index t : find_slivers(state, limit)) {
-    if (recipes == 0) break;
-    context.check_cancelled();
-    const auto corner = state.mesh.triangles[t].corner;
-    if (corner[0] == kNoIndex || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
-    if (!is_free_around(state.mesh, corner)) continue;
-    Patch patch(state, worker, {corner[0], corner[1], corner[2]}, kRings);
-    if (mend_patch(state, worker, patch, recipes)) ++mended;
+void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
+                    const Context& context) {
+  for (const Recipe& recipe : kRecipes) {
+    for (const Index t : find_slivers(state, limit)) {
+      if (recipes == 0) return;
+      context.check_cancelled();
+      const LinkedTriangle& cell = state.mesh.triangles[t];
+      if (!cell.is_alive() || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
+      if (!is_free_around(state.mesh, cell.corner)) continue;
+      mend_around(state, worker, t, recipe);
+      --recipes;
+    }
   }
-  return mended;
 }
 
 void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) {
@@ -240,9 +227,9 @@ void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) 
   const auto living = std::count_if(state.mesh.triangles.begin(), state.mesh.triangles.end(),
                                     [](const LinkedTriangle& t) { return t.is_alive(); });
   const std::size_t recipes = std::max(kLeastRecipes, static_cast<std::size_t>(living) / kTrianglesPerRecipe);
-  const std::size_t mended = rescue_slivers(state, worker, limit, recipes, context);
-  context.debug("decimate.rescue", std::to_string(mended) + " of " + std::to_string(slivers) +
-                                       " slivers mended by many moves at once");
+  rescue_slivers(state, worker, limit, recipes, context);
+  context.debug("decimate.rescue", std::to_string(find_slivers(state, limit).size()) + " of " +
+                                       std::to_string(slivers) + " slivers left after their rescue");
 }
 
 }  // namespace periost

@@ -19,12 +19,12 @@ namespace periost {
 // The living triangles with an angle under `limit`, radians, the worst first.
 std::vector<Index> find_slivers(const CertifiedState& state, double limit);
 
-// Tries to mend these, the worst first; how many are now better. A patch is changed only if its smallest
-// angle is greater and the sum of the fourth powers of its deficits to worker.limits.min_angle less than
-// before. Tries at most `recipes` recipes, some 50 to 200 ms each, on all of them together. Needs ids in
-// worker.dead_*; free vertices anywhere may move. Deterministic. Throws Error{kInterrupted}.
-std::size_t rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
-                           const Context& context);
+// Tries to mend these: each recipe on all that are left, the worst first, but no more than `recipes` times in
+// all; each takes some 50 to 300 ms. A patch is changed only if its smallest angle is greater and the sum of
+// the fourth powers of its deficits to worker.limits.min_angle less than before. Needs ids in worker.dead_*;
+// free vertices anywhere may move. Deterministic. Throws Error{kInterrupted}.
+void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
+                    const Context& context);
 
 // Rescues the triangles with an angle under 3/4 of worker.limits.min_angle, with as many recipes as suit the
 // number of triangles. Costs nothing but a look at each triangle where there are none.
