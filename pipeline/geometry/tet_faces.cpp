@@ -7,19 +7,60 @@
 namespace periost {
 namespace {
 
+// A face by its other two corners, filed under its smallest one.
+struct FiledFace {
+  Index middle = 0, largest = 0;
+  Index side = 0;  // 4 * tet + k; fewer than 2^30 tetrahedra
+};
+
 Triangle sorted_face(const Tetrahedron& tet, int k) {
   const auto [a, b, c] = face_of(tet, k);
   const Index low = std::min(a, b), high = std::max(a, b);
   return {std::min(low, c), std::max(low, std::min(high, c)), std::max(high, c)};
 }
 
-// A face by its other two corners, in the list of its smallest one.
-struct ListedFace {
-  Index middle = 0, largest = 0;
-  Index next = kNoIndex;
-  std::array<Index, 2> side{};  // 4 * tet + k of the first two that have it; fewer than 2^30 tetrahedra
-  std::uint32_t uses = 0;
+// Faces grouped by their smallest corner: a counting sort, then small sorts.
+struct FaceFile {
+  std::vector<std::size_t> first;  // per point
+  std::vector<FiledFace> faces;
 };
+
+FaceFile file_faces(const std::vector<Tetrahedron>& tets, std::size_t points) {
+  FaceFile file;
+  file.first.assign(points + 1, 0);
+  for (const Tetrahedron& tet : tets) {
+    for (int k = 0; k < 4; ++k) ++file.first[sorted_face(tet, k)[0] + 1];
+  }
+  for (std::size_t p = 0; p < points; ++p) file.first[p + 1] += file.first[p];
+  file.faces.resize(4 * tets.size());
+  std::vector<std::size_t> next(file.first.begin(), file.first.end() - 1);
+  for (Index t = 0; t < tets.size(); ++t) {
+    for (int k = 0; k < 4; ++k) {
+      const Triangle face = sorted_face(tets[t], k);
+      file.faces[next[face[0]]++] = {face[1], face[2], 4 * t + static_cast<Index>(k)};
+    }
+  }
+  return file;
+}
+
+void rematch(std::vector<FiledFace>::iterator begin, std::vector<FiledFace>::iterator end,
+             std::vector<TetNeighbours>& neighbours) {
+  std::sort(begin, end, [](const FiledFace& a, const FiledFace& b) {
+    return a.middle != b.middle     ? a.middle < b.middle
+           : a.largest != b.largest ? a.largest < b.largest
+                                    : a.side < b.side;
+  });
+  while (begin != end) {
+    auto next = begin;
+    while (next != end && next->middle == begin->middle && next->largest == begin->largest) ++next;
+    if (next - begin == 2) {
+      const Index a = begin->side, b = (begin + 1)->side;
+      neighbours[a / 4][a % 4] = b / 4;
+      neighbours[b / 4][b % 4] = a / 4;
+    }
+    begin = next;
+  }
+}
 
 // The nodes in the middle of edges, filed under the edge's smaller end.
 class EdgeNodes {
@@ -48,26 +89,10 @@ class EdgeNodes {
 std::vector<TetNeighbours> tet_neighbours(const std::vector<Tetrahedron>& tets, std::size_t points) {
   PERIOST_ASSERT(tets.size() < kNoIndex / 4);
   std::vector<TetNeighbours> neighbours(tets.size(), {kNoIndex, kNoIndex, kNoIndex, kNoIndex});
-  std::vector<Index> first(points, kNoIndex);
-  std::vector<ListedFace> faces;
-  faces.reserve(2 * tets.size() + tets.size() / 4);
-  for (Index t = 0; t < tets.size(); ++t) {
-    for (int k = 0; k < 4; ++k) {
-      const auto [smallest, middle, largest] = sorted_face(tets[t], k);
-      Index f = first[smallest];
-      while (f != kNoIndex && (faces[f].middle != middle || faces[f].largest != largest)) f = faces[f].next;
-      if (f == kNoIndex) {
-        f = static_cast<Index>(faces.size());
-        faces.push_back({middle, largest, first[smallest], {}, 0});
-        first[smallest] = f;
-      }
-      ListedFace& face = faces[f];
-      if (face.uses < 2) face.side[face.uses] = 4 * t + static_cast<Index>(k);
-      if (++face.uses == 1) continue;
-      const auto [one, other] = face.side;
-      neighbours[one / 4][one % 4] = face.uses == 2 ? other / 4 : kNoIndex;
-      neighbours[other / 4][other % 4] = face.uses == 2 ? one / 4 : kNoIndex;
-    }
+  FaceFile file = file_faces(tets, points);
+  for (std::size_t p = 0; p < points; ++p) {
+    rematch(file.faces.begin() + static_cast<std::ptrdiff_t>(file.first[p]),
+            file.faces.begin() + static_cast<std::ptrdiff_t>(file.first[p + 1]), neighbours);
   }
   return neighbours;
 }

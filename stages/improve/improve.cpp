@@ -14,6 +14,7 @@
 #include "pipeline/geometry/tet_faces.h"
 #include "stages/improve/boundary_slide.h"
 #include "stages/improve/tet_improver.h"
+#include "stages/improve/tet_order.h"
 #include "stages/improve/thin_split.h"
 
 namespace periost {
@@ -177,7 +178,7 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   const auto start = Clock::now();
   check_volumes(mesh);
   const double tolerance = tolerance_of(mesh, inputs, options, context);
-  TetComplex complex(mesh);
+  TetComplex complex(in_curve_order(mesh));
   const std::size_t tets_before = complex.live;
   const Summary before = summary_of(complex);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "pipeline/base/error.h"
 
@@ -31,10 +32,12 @@ std::size_t hash_of(const Triangle& key) {
 
 }  // namespace
 
-TetComplex::TetComplex(const TetMesh& mesh)
-    : position(mesh.points), corners(mesh.tets), neighbours(tet_neighbours(mesh.tets, mesh.points.size())) {
+TetComplex::TetComplex(TetMesh mesh)
+    : position(std::move(mesh.points)),
+      corners(std::move(mesh.tets)),
+      neighbours(tet_neighbours(corners, position.size())),
+      region(std::move(mesh.region)) {
   const std::size_t count = corners.size();
-  region = mesh.region;
   region.resize(count, 1);
   quality.resize(count);
   version.assign(count, 0);

@@ -26,7 +26,7 @@ class TetComplex {
  public:
   // Takes corners, tetrahedra and regions; mid-side nodes are left out. O(n).
   // Preconditions: indices in range, positive volumes.
-  explicit TetComplex(const TetMesh& mesh);
+  explicit TetComplex(TetMesh mesh);
 
   std::vector<Vec3> position;             // of points
   std::vector<Tetrahedron> corners;       // of slots; [0] == kNoIndex: a free slot

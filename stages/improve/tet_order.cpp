@@ -1,0 +1,53 @@
+#include "stages/improve/tet_order.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace periost {
+namespace {
+
+constexpr double kCells = 1 << 20;  // along an axis
+
+// Two zero bits between the lowest 21 bits.
+std::uint64_t spread(std::uint64_t x) {
+  x = (x | x << 32) & 0x001F00000000FFFF;
+  x = (x | x << 16) & 0x001F0000FF0000FF;
+  x = (x | x << 8) & 0x100F00F00F00F00F;
+  x = (x | x << 4) & 0x10C30C30C30C30C3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+}  // namespace
+
+TetMesh in_curve_order(const TetMesh& mesh) {
+  Vec3 low{1e300, 1e300, 1e300}, high = -low;
+  for (const Vec3 p : mesh.points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 size = high - low;
+  const double per_mm = (kCells - 1) / std::max({size.x, size.y, size.z, 1e-300});
+  std::vector<std::pair<std::uint64_t, Index>> keys;
+  keys.reserve(mesh.tets.size());
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    const auto& [a, b, c, d] = mesh.tets[t];
+    const auto& p = mesh.points;
+    const Vec3 cell = (0.25 * (p[a] + p[b] + p[c] + p[d]) - low) * per_mm;
+    const auto part = [](double x) { return spread(static_cast<std::uint64_t>(std::max(x, 0.0))); };
+    keys.emplace_back(part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2, t);
+  }
+  std::sort(keys.begin(), keys.end());
+  TetMesh result;
+  result.points = mesh.points;
+  result.tets.reserve(keys.size());
+  for (const auto& [key, t] : keys) result.tets.push_back(mesh.tets[t]);
+  if (!mesh.region.empty()) {
+    result.region.reserve(keys.size());
+    for (const auto& [key, t] : keys) result.region.push_back(mesh.region[t]);
+  }
+  return result;
+}
+
+}  // namespace periost
