@@ -5,6 +5,7 @@
 
 #include "stages/improve/tet_cavity.h"
 #include "stages/improve/tet_complex.h"
+#include "stages/improve/tet_order.h"
 #include "stages/improve/tet_removal.h"
 #include "stages/improve/tet_smoothing.h"
 #include "stages/improve/thin_split.h"
@@ -163,6 +164,50 @@ TEST(TetOperations, KeepTheMeshValidAndRaiseTheWorst) {
   EXPECT_GT(inserted, 0);
   EXPECT_NEAR(volume6(complex), volume, 1e-10 * volume);
   EXPECT_EQ(walls(complex), first_walls);
+}
+
+TEST(TetOperations, AFoundCavityIsStaleOnceItChanged) {
+  const TetMesh mesh = bricks(4, 0.45, 11);
+  TetComplex complex(mesh);
+  TetCavity first(complex), again(complex);
+  std::size_t made = 0;
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    if (!complex.is_live(t) || complex.quality[t] >= 0.5 || !first.find(t, 0.6, kAnyRoom, 0)) continue;
+    const double before = least(complex);
+    ASSERT_TRUE(again.find(t, 0.6, kAnyRoom, 0)) << "a search changes nothing";
+    ASSERT_TRUE(first.is_current() && again.is_current());
+    const auto live = static_cast<std::ptrdiff_t>(complex.live);
+    const std::ptrdiff_t growth = first.growth();
+    ASSERT_TRUE(first.make());
+    ++made;
+    EXPECT_EQ(static_cast<std::ptrdiff_t>(complex.live), live + growth);
+    EXPECT_FALSE(again.is_current());
+    EXPECT_GE(least(complex), before);
+  }
+  EXPECT_GT(made, 0U);
+  EXPECT_EQ(check_complex(complex), "");
+}
+
+TEST(TetOrder, IsTheSameMeshWithNeighboursNear) {
+  const TetMesh mesh = bricks(6, 0.3, 5, 3);
+  const TetMesh ordered = in_curve_order(mesh);
+  EXPECT_EQ(ordered.points, mesh.points);
+  const auto sorted = [](const TetMesh& m) {
+    std::vector<std::pair<Tetrahedron, std::int32_t>> tets;
+    for (std::size_t t = 0; t < m.tets.size(); ++t) tets.emplace_back(m.tets[t], m.region[t]);
+    std::sort(tets.begin(), tets.end());
+    return tets;
+  };
+  EXPECT_EQ(sorted(ordered), sorted(mesh));
+  // Shuffled before, it comes out the same.
+  TetMesh shuffled = mesh;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    const std::size_t from = (t * 7919 + 13) % mesh.tets.size();  // a prime, no divisor of the number
+    shuffled.tets[t] = mesh.tets[from];
+    shuffled.region[t] = mesh.region[from];
+  }
+  ASSERT_EQ(sorted(shuffled), sorted(mesh));
+  EXPECT_EQ(in_curve_order(shuffled).tets, ordered.tets);
 }
 
 TEST(TetOperations, NoRoomNoGrowth) {
