@@ -20,21 +20,22 @@
 #include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/certified_regions.h"
 #include "stages/decimate/certified_rescue.h"
+#include "stages/decimate/certified_thin.h"
 
 namespace periost {
 namespace {
 
-constexpr double kRounding = 1e-4;     // part of the tolerance kept for rounding
-constexpr double kNoticedStep = 0.1;   // tolerances
-constexpr int kSheetSide = 4;          // voxels
-constexpr int kStages = 6;             // removal stages by cost
+constexpr double kRounding = 1e-4;    // part of the tolerance kept for rounding
+constexpr double kNoticedStep = 0.1;  // tolerances
+constexpr int kSheetSide = 4;         // voxels
+constexpr int kStages = 6;            // removal stages by cost
 // Rounds of removals of any cost, each with mending, after the last stage: on large surfaces, which they take
 // long on, fewer.
 constexpr int kLeastRounds = 2, kMostRounds = 12;
 constexpr std::size_t kRoundTriangles = 90'000;  // that further rounds may go over, all added up
 // Part of the triangles that a round must remove to go on; where the number of rounds is asked for, less.
-constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
-constexpr double kAim = 1.3;           // times the least angle: what mending aims at between removals
+constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001, kWorthwhileThinned = 0.005;
+constexpr double kAim = 1.3;  // times the least angle: what mending aims at between removals
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 2;
@@ -221,7 +222,8 @@ class Schedule {
     const bool is_asked = options_.rounds > 0;
     const int most = is_asked ? options_.rounds : kMostRounds;
     std::size_t gone_over = 0;
-    for (int round = 0; round < most; ++round) {
+    int round = 0;
+    for (; round < most; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
       if (!is_asked && round >= kLeastRounds && gone_over > kRoundTriangles) break;
       sweep(kTopologySlack, final_round);
@@ -231,6 +233,36 @@ class Schedule {
       const double least = (is_asked ? kWorthwhileAsked : kWorthwhile) * static_cast<double>(after);
       if (removals_left() == 0 || static_cast<double>(before - after) < least) break;
     }
+    if (is_asked) thin_out(most - round - 1);
+  }
+
+  // What single moves cannot remove, at most so many times.
+  void thin_out(int rounds) {
+    for (int round = 0; round < rounds && removals_left() > 0; ++round) {
+      const std::size_t before = living_triangles(state_.mesh);
+      VertexList vertices;
+      std::unique_ptr<Worker> worker = take_lone_worker(vertices);
+      worker->limits.topology += kTopologySlack;
+      worker->quota = removals_left();
+      thinning_pass(state_, *worker, vertices, context_);
+      idle_.push_back(std::move(worker));
+      sweep(kTopologySlack, final_round);
+      end_step("thinning");
+      const std::size_t after = living_triangles(state_.mesh);
+      if (static_cast<double>(before) < (1 + kWorthwhileThinned) * static_cast<double>(after)) break;
+    }
+  }
+
+  // All of space is one region, and its vertices are that worker's.
+  std::unique_ptr<Worker> take_lone_worker(VertexList& vertices) {
+    auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
+    std::unique_ptr<Worker> worker = take_worker();
+    worker->limits = limits_of(options_);
+    worker->quota = std::numeric_limits<std::size_t>::max();
+    worker->region_lo = regions[0].lo;
+    worker->region_hi = regions[0].hi;
+    vertices = std::move(regions[0].vertices);
+    return worker;
   }
 
   // The steps of the law of motion, a few at a time, within what is proved.
@@ -271,12 +303,8 @@ class Schedule {
     for (int round = 0; round < kSliverSweeps; ++round) sweep(0, sliver_pass);
     const Spares spares = dead_elements();
     sweep(0, sliver_pass, &spares);
-    const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
-    std::unique_ptr<Worker> worker = take_worker();
-    worker->limits = limits_of(options_);
-    worker->quota = std::numeric_limits<std::size_t>::max();
-    worker->region_lo = regions[0].lo;
-    worker->region_hi = regions[0].hi;
+    VertexList vertices_of_all;
+    std::unique_ptr<Worker> worker = take_lone_worker(vertices_of_all);
     lend(dead_elements(), 0, 1, *worker);
     mend_with_insertions(*worker);
     for (int split = 0; split < kSplits; ++split) {
