@@ -60,7 +60,7 @@ struct ImproveResult {
 // stays fixed, and the log says so.
 //
 // A function of its arguments alone, the same bits for any number of threads (which sliding and the search
-// for new points use). Linear in practice: some 5 microseconds a tetrahedron that TetGen leaves, and up to a
+// for new points use). Linear in practice: some 10 microseconds a tetrahedron that TetGen leaves, and up to a
 // millisecond a point that slides. Memory: about 200 bytes a tetrahedron. Errors: {kQuality,
 // "improve.inverted"} with the place, for a tetrahedron without positive volume; {kUsage, "improve.no_voxel"}
 // for a tolerance in voxels without an image behind it; {kInterrupted}.
