@@ -20,7 +20,6 @@
 #include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/certified_regions.h"
 #include "stages/decimate/certified_rescue.h"
-#include "stages/decimate/certified_thin.h"
 
 namespace periost {
 namespace {
@@ -34,12 +33,17 @@ constexpr int kStages = 6;            // removal stages by cost
 constexpr int kLeastRounds = 2, kMostRounds = 12;
 constexpr std::size_t kRoundTriangles = 90'000;  // that further rounds may go over, all added up
 // Part of the triangles that a round must remove to go on; where the number of rounds is asked for, less.
-constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001, kWorthwhileThinned = 0.005;
-constexpr double kAim = 1.3;  // times the least angle: what mending aims at between removals
+constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
+// The first of them let removals make angles down to such a part of the least one, and mend these after:
+// where no removal leaves good angles at once, one with a few moves after it often does. All would leave too
+// many that nothing mends.
+constexpr std::array<double, 6> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77, 1};
+constexpr double kAim = 1.3;       // times the least angle: what mending aims at between removals
+constexpr double kLastAim = 1.15;  // likewise after the last
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
-constexpr int kFits = 2;
-constexpr double kLeastMean = 0.004;  // tolerances: fitted well enough when the mean height is less
+constexpr int kFits = 3;
+constexpr double kLeastLoss = 0.002;  // of the volume: fitted well enough when less is lost or won
 constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24;
 constexpr int kSplits = 3;
@@ -207,49 +211,43 @@ class Schedule {
 
   void finish() {
     remove_in_rounds();
+    mend_angles(kLastAim);
     deform();
-    sweep(kTopologySlack, [](CertifiedState& state, Worker& worker, const VertexList& vertices) {
-      angle_pass(state, worker, vertices, worker.limits.min_angle);
-      contour_pass(state, worker, vertices, worker.limits.min_angle);
-    });
+    mend_angles(1);
     fit();
     sweep(0, swap_pass);
     mend_slivers();
+    fit();
+    rescue();
     end_step("angles");
+  }
+
+  // `aim`: in least angles.
+  void mend_angles(double aim) {
+    sweep(kTopologySlack, [aim](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+      angle_pass(state, worker, vertices, aim * worker.limits.min_angle);
+      contour_pass(state, worker, vertices, aim * worker.limits.min_angle);
+    });
   }
 
   void remove_in_rounds() {
     const bool is_asked = options_.rounds > 0;
     const int most = is_asked ? options_.rounds : kMostRounds;
     std::size_t gone_over = 0;
-    int round = 0;
-    for (; round < most; ++round) {
+    for (int round = 0; round < most; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
       if (!is_asked && round >= kLeastRounds && gone_over > kRoundTriangles) break;
-      sweep(kTopologySlack, final_round);
+      const double bold = static_cast<std::size_t>(round) < kBoldAngle.size()
+                              ? kBoldAngle[static_cast<std::size_t>(round)]
+                              : 1;
+      sweep(kTopologySlack, [bold](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        final_round(state, worker, vertices, bold);
+      });
       end_step("round");
       gone_over += before;
       const std::size_t after = living_triangles(state_.mesh);
       const double least = (is_asked ? kWorthwhileAsked : kWorthwhile) * static_cast<double>(after);
       if (removals_left() == 0 || static_cast<double>(before - after) < least) break;
-    }
-    if (is_asked) thin_out(most - round - 1);
-  }
-
-  // What single moves cannot remove, at most so many times.
-  void thin_out(int rounds) {
-    for (int round = 0; round < rounds && removals_left() > 0; ++round) {
-      const std::size_t before = living_triangles(state_.mesh);
-      VertexList vertices;
-      std::unique_ptr<Worker> worker = take_lone_worker(vertices);
-      worker->limits.topology += kTopologySlack;
-      worker->quota = removals_left();
-      thinning_pass(state_, *worker, vertices, context_);
-      idle_.push_back(std::move(worker));
-      sweep(kTopologySlack, final_round);
-      end_step("thinning");
-      const std::size_t after = living_triangles(state_.mesh);
-      if (static_cast<double>(before) < (1 + kWorthwhileThinned) * static_cast<double>(after)) break;
     }
   }
 
@@ -279,23 +277,18 @@ class Schedule {
     end_step("deformation");
   }
 
-  // Until the surface encloses what it did at first, or nearly.
+  // Until the surface encloses what it did at first, or nearly; once where that cannot be told.
   void fit() {
     const int rounds = is_border_locked_ ? kFits : 1;
     for (int round = 0; round < rounds; ++round) {
-      const double mean = lost_height();
-      if (is_border_locked_ && std::abs(mean) < kLeastMean * state_.tolerance) break;
+      const Extents now = extents_of(state_);
+      const double lost = is_border_locked_ ? volume_ - now.volume : 0;
+      if (is_border_locked_ && std::abs(lost) <= kLeastLoss * std::abs(volume_)) break;
+      const double mean = now.area > 0 ? lost / now.area : 0;  // height by which the surface lies too low
       sweep(kTopologySlack, [mean](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         fit_pass(state, worker, vertices, mean);
       });
     }
-  }
-
-  // By how much the surface lies too low on average, mm; 0 when that cannot be told.
-  double lost_height() const {
-    if (!is_border_locked_) return 0;
-    const Extents now = extents_of(state_);
-    return now.area > 0 ? (volume_ - now.volume) / now.area : 0;
   }
 
   // In regions first, then in all of space at once, so that none is spared at a seam.
@@ -314,6 +307,15 @@ class Schedule {
       split_pass(state_, *worker, vertices, limit);
       mend_with_insertions(*worker);
     }
+    idle_.push_back(std::move(worker));
+  }
+
+  // The slivers that are left, and what the fit has made worse.
+  void rescue() {
+    VertexList vertices;
+    std::unique_ptr<Worker> worker = take_lone_worker(vertices);
+    lend(dead_elements(), 0, 1, *worker);
+    mend_with_insertions(*worker);
     rescue_pass(state_, *worker, context_);
     idle_.push_back(std::move(worker));
   }
@@ -354,8 +356,12 @@ class Schedule {
     }
   }
 
-  static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+  // `bold`: the part of the least angle that removals may go down to.
+  static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices, double bold) {
+    const double least = worker.limits.min_angle;
+    worker.limits.min_angle *= bold;
     removal_pass(state, worker, vertices, std::numeric_limits<double>::max());
+    worker.limits.min_angle = least;
     if (worker.quota == 0) return;  // as few triangles as asked: no room is needed for more removals
     swap_pass(state, worker, vertices);
     relocation_pass(state, worker, vertices);

@@ -169,7 +169,7 @@ void deformation_pass(CertifiedState& state, Worker& worker, const std::vector<I
     if (state.mesh.incident[v] == kNoIndex || state.mesh.is_locked[v]) continue;
     const Vec3 step = places[v] - state.mesh.points[v];
     if (squared_norm(step) < kLeastStep * kLeastStep * state.tolerance * state.tolerance) continue;
-    for (const double part : {1.0, 0.5}) {
+    for (const double part : {1.0, 0.5, 0.25}) {
       if (try_relocation(state, worker, v, state.mesh.points[v] + step * part, false)) break;
     }
   }

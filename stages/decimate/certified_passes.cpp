@@ -417,7 +417,8 @@ void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices,
   if (state.reverse_tolerance <= 0) return;
   for_free_vertices(state.mesh, vertices, [&](Index v, const Star& star) {
     const double step = mean + kFit * (star_height(state, star) - mean);
-    if (std::abs(step) <= kLeastFit * state.tolerance) return;
+    // Moves outwards and inwards are not refused alike, so both together need not bring the volume back.
+    if (std::abs(step) <= kLeastFit * state.tolerance || step * mean < 0) return;
     const Vec3 normal = star_normal(state.mesh, star, v);
     try_relocation(state, worker, v, state.mesh.points[v] + normal * step, false);
   });

@@ -26,7 +26,8 @@ void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& ve
 
 // Moves vertices along the normal by `mean`, the mean signed height of the isosurface over the whole surface,
 // and by half of what the mean height over their own triangles differs from it, so that the enclosed volume
-// is kept. Does nothing without the reverse certificate, whose homes it reads.
+// is kept; those that would move against the mean stay. Does nothing without the reverse certificate, whose
+// homes it reads.
 void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double mean);
 
 // Mends triangles with an angle under `aim` (radians) by swaps, removals and moves that make the sum of

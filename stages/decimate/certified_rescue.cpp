@@ -15,8 +15,10 @@ namespace {
 constexpr int kRings = 4;        // of triangles in a patch; those in the outer two stay as they are
 constexpr int kSplitSweeps = 6;  // over all edges of a patch
 constexpr int kMendingSweeps = 12, kLastSweeps = 3;  // at most, while something moves
-// Of the least angle: triangles under it are rescued by rescue_pass.
-constexpr double kFarUnder = 0.75;
+// Of the least angle: triangles under it are rescued by rescue_pass, on a small surface nearly all that fall
+// short.
+constexpr double kFarUnder = 0.75, kUnder = 0.975;
+constexpr std::ptrdiff_t kSmallSurface = 20'000;  // triangles
 // rescue_pass tries so many recipes at least, and one for so many triangles.
 constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 800;
 constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
@@ -221,11 +223,11 @@ void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::si
 }
 
 void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) {
-  const double limit = kFarUnder * worker.limits.min_angle;
-  const std::size_t slivers = find_slivers(state, limit).size();
-  if (slivers == 0) return;
   const auto living = std::count_if(state.mesh.triangles.begin(), state.mesh.triangles.end(),
                                     [](const LinkedTriangle& t) { return t.is_alive(); });
+  const double limit = (living < kSmallSurface ? kUnder : kFarUnder) * worker.limits.min_angle;
+  const std::size_t slivers = find_slivers(state, limit).size();
+  if (slivers == 0) return;
   const std::size_t recipes = std::max(kLeastRecipes, static_cast<std::size_t>(living) / kTrianglesPerRecipe);
   rescue_slivers(state, worker, limit, recipes, context);
   context.debug("decimate.rescue", std::to_string(find_slivers(state, limit).size()) + " of " +

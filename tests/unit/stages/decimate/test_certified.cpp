@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"ellipsoid", [] { return shapes::ellipsoid(); }, 0.3, 0.88, 29.9, 29.5},
                     Case{"left_handed", [] { return shapes::ellipsoid(true); }, 0.3, 0.88, 29.9, 29.5},
                     Case{"tight", [] { return shapes::ellipsoid(); }, 0.05, 0.3, 20, 10},
-                    Case{"stairs", shapes::stairs, 0.4, 0.75, 29.9, 29},
+                    Case{"stairs", shapes::stairs, 0.4, 0.75, 29.5, 29},
                     Case{"sheets", shapes::near_sheets, 0.3, 0.55, 15, 10},
                     Case{"noise", [] { return shapes::white_noise(1); }, 0.3, 0.15, 5, 0}),
     [](const auto& test) { return test.param.name; });

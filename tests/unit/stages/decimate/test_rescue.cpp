@@ -12,7 +12,6 @@
 #include "stages/decimate/certified_patch.h"
 #include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/certified_rescue.h"
-#include "stages/decimate/certified_thin.h"
 
 namespace periost {
 namespace {
@@ -239,48 +238,6 @@ TEST_P(Rescue, MendsASliverWithinTheDistance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Distances, Rescue, testing::Values(0.06, 0.1));
-
-TEST(Thinning, RemovesMoreWithinTheDistanceAndTheAngles) {
-  Bench bench(shapes::ellipsoid(), 0.1);
-  VertexList all;
-  for (Index v = 0; v < bench.state.mesh.points.size(); ++v) {
-    if (bench.state.mesh.incident[v] != kNoIndex) all.push_back(v);
-  }
-  const double least = bench.worker.limits.min_angle;
-  const auto deficits = [&] {
-    double sum = 0;
-    for (const Index t : find_slivers(bench.state, least))
-      sum += least - min_angle(corners_now(bench.state.mesh, t));
-    return sum;
-  };
-  const double before = deficits();
-  const std::size_t count = bench.surface().triangles.size();
-  bench.worker.quota = 3;
-  thinning_pass(bench.state, bench.worker, all, Context{});
-  const SurfaceMesh result = bench.surface();
-  EXPECT_LT(result.triangles.size(), count);
-  EXPECT_LE(deficits(), before + 1e-9);
-  expect_sound_proofs(bench.state);
-  EXPECT_TRUE(examine_topology(result).is_closed());
-  EXPECT_TRUE(examine_topology(result).is_manifold());
-  const auto both = two_sided_distance(result, bench.isosurface.surface, {}, Context{});
-  const double tolerance = 0.1 * bench.isosurface.frame.largest_spacing();
-  EXPECT_LE(both.forward.summary.max, tolerance);
-  EXPECT_LE(both.backward.summary.max, tolerance);
-}
-
-TEST(Thinning, IsDeterministicForAnyNumberOfThreads) {
-  const Isosurface isosurface = shapes::stairs();
-  DecimateOptions options;
-  options.rounds = 20;
-  Context one, four;
-  one.threads = 1;
-  four.threads = 4;
-  const SimplexMesh a = decimate_certified(isosurface, options, one),
-                    b = decimate_certified(isosurface, options, four);
-  EXPECT_EQ(a.dual_position, b.dual_position);
-  EXPECT_EQ(a.neighbour, b.neighbour);
-}
 
 TEST(RescueSlivers, ChangesNothingWithoutRecipesOrSlivers) {
   Bench bench(shapes::ellipsoid(), 0.1);
