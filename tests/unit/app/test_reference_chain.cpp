@@ -19,7 +19,7 @@ chain:
   - {stage: threshold, lower: 0.5}
   - stage: marching_cubes
 )";
-constexpr const char* kMesh = R"(  - {stage: decimate, distance: 0.3 voxel}
+constexpr const char* kMesh = R"(  - {stage: decimate, distance: 0.15 voxel}
   - stage: triangulate
   - stage: tetgen
   - stage: improve
