@@ -27,9 +27,9 @@
 // everywhere at the end; should there be one, all is done again with every place watched.
 //
 // Schedule. Swaps; removals by cost in stages, each up to the median cost of the edges left; final rounds of
-// removals of any cost, the first of them down to 0.8 of the least angle, relocations (along the surface to
-// the quadric's place, along the normal by half the mean signed height of the isosurface), and mending of
-// angles under 1.3 times the least one, which makes room for the next round; the law of motion
+// removals of any cost, the first of them down to 0.87 or 0.77 of the least angle, relocations (along the
+// surface to the quadric's place, along the normal by half the mean signed height of the isosurface), and
+// mending of angles under 1.3 times the least one, which makes room for the next round; the law of motion
 // (certified_deform.h), `iterations` steps, each vertex as far as the checks allow; angles; fits along the
 // normal until the surface encloses what the isosurface does, or nearly; angles again; and slivers one by
 // one, the worst with all around them (certified_rescue.h). Space is cut by the data into regions that are
