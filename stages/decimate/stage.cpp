@@ -83,9 +83,10 @@ class DecimateStage final : public StageOf<DecimateOptions> {
                "Stops when the triangulation has no more triangles than this, but for the mending of bad "
                "angles; "
                "0 goes on as long as the criteria allow (method certified).")
-        .param("rounds", &O::rounds, Quantity::kCount, Range::between(0, 100),
-               "Most rounds of last removals, each with mending, as long as they remove anything; 0 takes two "
-               "on a large surface and up to twelve on a small one (method certified).")
+        .param(
+            "rounds", &O::rounds, Quantity::kCount, Range::between(0, 100),
+            "Most rounds of last removals, each with mending, as long as they remove anything; 0 takes two "
+            "on a large surface and up to twelve on a small one (method certified).")
         .param("small_components", &O::small_components, Quantity::kNone, Range::any(),
                "What happens to closed surfaces of fewer than small_triangles triangles.")
         .param("small_triangles", &O::small_triangles, Quantity::kCount, Range::between(0, 1e6),
