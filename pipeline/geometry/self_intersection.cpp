@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "pipeline/base/morton.h"
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/predicates.h"
 
@@ -32,16 +33,6 @@ struct Box {
            low.z <= other.high.z && other.low.z <= high.z;
   }
 };
-
-// Spreads the low 21 bits of a number to every third bit.
-std::uint64_t spread(std::uint64_t bits) {
-  bits &= 0x1FFFFF;
-  bits = (bits | bits << 32) & 0x1F00000000FFFFULL;
-  bits = (bits | bits << 16) & 0x1F0000FF0000FFULL;
-  bits = (bits | bits << 8) & 0x100F00F00F00F00FULL;
-  bits = (bits | bits << 4) & 0x10C30C30C30C30C3ULL;
-  return (bits | bits << 2) & 0x1249249249249249ULL;
-}
 
 // A balanced tree of boxes over the triangles in Morton order: leaf l holds the positions
 // [l * kLeaf, (l + 1) * kLeaf), node n has the children 2n and 2n + 1, the root is node 1.
@@ -103,12 +94,11 @@ class BoxTree {
       const Triangle& corner = surface_.triangles[t];
       if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
       const Box box = box_of(t);
-      std::uint64_t code = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
+      const auto cell = [&](std::size_t k) {
         const double centre = 0.5 * (box.low[k] + box.high[k]) - all.low[k];
-        code |= spread(static_cast<std::uint64_t>(centre * scale[k])) << k;
-      }
-      keys.emplace_back(code, t);
+        return static_cast<std::uint64_t>(centre * scale[k]);
+      };
+      keys.emplace_back(morton_code(cell(0), cell(1), cell(2)), t);
     }
     std::sort(keys.begin(), keys.end());
     order_.reserve(keys.size());

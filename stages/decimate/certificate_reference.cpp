@@ -5,26 +5,12 @@
 #include <numeric>
 
 #include "pipeline/base/error.h"
+#include "pipeline/base/morton.h"
 
 namespace periost {
 namespace {
 
-// Spreads the low 21 bits so that two zero bits follow each.
-std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1FFFFF;
-  x = (x | x << 32) & 0x1F00000000FFFFULL;
-  x = (x | x << 16) & 0x1F0000FF0000FFULL;
-  x = (x | x << 8) & 0x100F00F00F00F00FULL;
-  x = (x | x << 4) & 0x10C30C30C30C30C3ULL;
-  return (x | x << 2) & 0x1249249249249249ULL;
-}
-
-std::uint64_t morton(std::int32_t i, std::int32_t j, std::int32_t k) {
-  return spread(static_cast<std::uint32_t>(i)) | spread(static_cast<std::uint32_t>(j)) << 1 |
-         spread(static_cast<std::uint32_t>(k)) << 2;
-}
-
-// spread() of the places in a block.
+// spread_bits() of the places in a block.
 constexpr std::array<std::size_t, 8> kSpread{0, 1, 8, 9, 64, 65, 72, 73};
 
 std::array<std::int32_t, 3> cell_of(Vec3 index) {
@@ -139,7 +125,8 @@ void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers
   }
   std::vector<std::uint64_t> codes(count);
   for (std::size_t t = 0; t < count; ++t) {
-    codes[t] = morton(cell[t][0] - lo[0], cell[t][1] - lo[1], cell[t][2] - lo[2]);
+    const auto above = [&](std::size_t axis) { return static_cast<std::uint32_t>(cell[t][axis] - lo[axis]); };
+    codes[t] = morton_code(above(0), above(1), above(2));
   }
   const auto order = sorted_by(codes);
   // Vertices in the order in which the triangles meet them.

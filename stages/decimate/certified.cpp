@@ -30,14 +30,14 @@ constexpr int kSheetSide = 4;         // voxels
 constexpr int kStages = 6;            // removal stages by cost
 // Rounds of removals of any cost, each with mending, after the last stage: on large surfaces, which they take
 // long on, fewer.
-constexpr int kLeastRounds = 2, kMostRounds = 12;
+constexpr std::size_t kLeastRounds = 2, kMostRounds = 12;
 constexpr std::size_t kRoundTriangles = 90'000;  // that further rounds may go over, all added up
 // Part of the triangles that a round must remove to go on; where the number of rounds is asked for, less.
 constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
 // The first of them let removals make angles down to such a part of the least one, and mend these after:
 // where no removal leaves good angles at once, one with a few moves after it often does. All would leave too
 // many that nothing mends.
-constexpr std::array<double, 6> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77, 1};
+constexpr std::array<double, 5> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77};
 constexpr double kAim = 1.3;       // times the least angle: what mending aims at between removals
 constexpr double kLastAim = 1.15;  // likewise after the last
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
@@ -232,14 +232,12 @@ class Schedule {
 
   void remove_in_rounds() {
     const bool is_asked = options_.rounds > 0;
-    const int most = is_asked ? options_.rounds : kMostRounds;
+    const std::size_t most = is_asked ? static_cast<std::size_t>(options_.rounds) : kMostRounds;
     std::size_t gone_over = 0;
-    for (int round = 0; round < most; ++round) {
+    for (std::size_t round = 0; round < most; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
       if (!is_asked && round >= kLeastRounds && gone_over > kRoundTriangles) break;
-      const double bold = static_cast<std::size_t>(round) < kBoldAngle.size()
-                              ? kBoldAngle[static_cast<std::size_t>(round)]
-                              : 1;
+      const double bold = round < kBoldAngle.size() ? kBoldAngle[round] : 1;
       sweep(kTopologySlack, [bold](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         final_round(state, worker, vertices, bold);
       });

@@ -187,6 +187,19 @@ void commit_move(CertifiedState& state, Worker& worker) {
   state.sheets.insert(state.mesh, proposal);
 }
 
+void commit_insertion(CertifiedState& state, Worker& worker, Index u, Index v) {
+  const Proposal& proposal = worker.proposal;
+  const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
+  Quadric& quadric = state.quadrics[proposal.moved];
+  quadric = {};
+  quadric.add_plane(state.reference.normals[proposal.place_nearest],
+                    proposal.place - state.reference.points[0], squared_norm(state.mesh.points[u] - middle));
+  commit_move(state, worker);
+  worker.dead_points.pop_back();
+  worker.dead_triangles.resize(worker.dead_triangles.size() - 2);
+  ++worker.counts.insertions;
+}
+
 bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex) {
   ++worker.counts.refused[static_cast<std::size_t>(refusal)];
   state.blocked_by[vertex] = static_cast<std::uint8_t>(refusal);
@@ -319,7 +332,6 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
   if (!propose_insertion(state.mesh, t, k, vertex, triangles, proposal)) return false;
   const auto& corner = state.mesh.triangles[t].corner;
   const Index u = corner[(k + 1) % 3], v = corner[(k + 2) % 3];
-  const Vec3 middle = (state.mesh.points[u] + state.mesh.points[v]) * 0.5;
   const Vec3 normal = edge_normal(state, u, v);
   state.mesh.valence[vertex] = 0;
   std::vector<std::pair<double, Vec3>> places;  // with the fall of the sum of deficits, negative
@@ -334,14 +346,7 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
   for (const auto& [loss, place] : places) {
     proposal.place = place;
     if (check_move(state, worker, normal, -loss, FirstAsked::kTriangles) != Refusal::kNone) continue;
-    const Vec3 plane = state.reference.normals[proposal.place_nearest];
-    state.quadrics[vertex] = {};
-    state.quadrics[vertex].add_plane(plane, proposal.place - state.reference.points[0],
-                                     squared_norm(state.mesh.points[u] - middle));
-    commit_move(state, worker);
-    worker.dead_points.pop_back();
-    worker.dead_triangles.resize(count - 2);
-    ++worker.counts.insertions;
+    commit_insertion(state, worker, u, v);
     return true;
   }
   return false;

@@ -89,6 +89,8 @@ enum class FirstAsked { kRing, kTriangles };
 // applies what it accepted. `refuse_move` counts a refusal at a vertex and returns false.
 Refusal check_move(CertifiedState& state, Worker& worker, Vec3 facing, double gain, FirstAsked asked);
 void commit_move(CertifiedState& state, Worker& worker);
+// Likewise an insertion on the edge (u, v): with a quadric of its own, its ids no longer the worker's.
+void commit_insertion(CertifiedState& state, Worker& worker, Index u, Index v);
 bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index vertex);
 // Smaller falls of the sum of angle deficits do not count.
 double least_angle_gain(const GuardLimits& limits);

@@ -303,14 +303,6 @@ bool mend_sliver(CertifiedState& state, Worker& worker, Index t) {
   return insert_around(state, worker, t);
 }
 
-// What mending slivers may do, the worst first.
-GuardLimits mending_slivers(GuardLimits limits) {
-  limits.worst_angle_first = true;
-  limits.fold_cosine = kSliverFoldCosine;
-  limits.min_valence = 3;
-  return limits;
-}
-
 // Inserts on the longest edge that lets it.
 bool split_longest(CertifiedState& state, Worker& worker, Index t) {
   const auto c = corners_now(state.mesh, t);
@@ -436,6 +428,13 @@ void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertice
     }
   });
   worker.limits = limits;
+}
+
+GuardLimits mending_slivers(GuardLimits limits) {
+  limits.worst_angle_first = true;
+  limits.fold_cosine = kSliverFoldCosine;
+  limits.min_valence = 3;
+  return limits;
 }
 
 VertexList sliver_vertices(const CertifiedState& state, double limit) {

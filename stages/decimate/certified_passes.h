@@ -34,6 +34,9 @@ void fit_pass(CertifiedState& state, Worker& worker, const VertexList& vertices,
 // deficits to it fall. An aim above the limit makes room for further removals.
 void angle_pass(CertifiedState& state, Worker& worker, const VertexList& vertices, double aim);
 
+// What mending slivers may do, the worst first.
+GuardLimits mending_slivers(GuardLimits limits);
+
 // The corners of the triangles with an angle under `limit` (radians), ascending.
 VertexList sliver_vertices(const CertifiedState& state, double limit);
 

@@ -21,8 +21,7 @@ constexpr double kFarUnder = 0.75, kUnder = 0.975;
 constexpr std::ptrdiff_t kSmallSurface = 20'000;  // triangles
 // rescue_pass tries so many recipes at least, and one for so many triangles.
 constexpr std::size_t kLeastRecipes = 16, kTrianglesPerRecipe = 800;
-constexpr double kTangible = 0.01;   // radians: the least rise of the worst angle
-constexpr double kFoldCosine = 0.1;  // triangles of no shape have no normal to speak of
+constexpr double kTangible = 0.01;  // radians: the least rise of the worst angle
 
 // One way of going about it.
 struct Recipe {
@@ -95,8 +94,7 @@ double mean_length(const std::vector<Edge>& edges) {
 GuardLimits without_angles(GuardLimits limits) {
   limits.min_angle = 1e-3;
   limits.growth = std::numeric_limits<double>::max();
-  limits.fold_cosine = kFoldCosine;
-  limits.min_valence = 3;
+  limits.worst_angle_first = false;
   return limits;
 }
 
@@ -114,14 +112,7 @@ bool split(CertifiedState& state, Worker& worker, const Edge& edge) {
   state.mesh.valence[vertex] = 0;
   if (check_move(state, worker, edge_normal(state, u, v), 0, FirstAsked::kTriangles) != Refusal::kNone)
     return false;
-  state.quadrics[vertex] = {};
-  state.quadrics[vertex].add_plane(state.reference.normals[proposal.place_nearest],
-                                   proposal.place - state.reference.points[0],
-                                   squared_norm(proposal.place - state.mesh.points[u]));
-  commit_move(state, worker);
-  worker.dead_points.pop_back();
-  worker.dead_triangles.resize(count - 2);
-  ++worker.counts.insertions;
+  commit_insertion(state, worker, u, v);
   return true;
 }
 
@@ -157,13 +148,12 @@ void sweep_while_moving(const Worker& worker, int most, Pass&& pass) {
 
 void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& worker, const Patch& patch) {
   const GuardLimits limits = worker.limits;
-  worker.limits = without_angles(limits);
+  const GuardLimits mending = mending_slivers(limits);
+  worker.limits = without_angles(mending);
   refine(state, worker, patch, recipe.length * mean);
   even_out(state, worker, patch, recipe.evening);
-  worker.limits = limits;
+  worker.limits = mending;
   worker.limits.worst_angle_first = recipe.worst_angle_first;
-  worker.limits.fold_cosine = kFoldCosine;
-  worker.limits.min_valence = 3;
   const double aim = recipe.aim * limits.min_angle;
   worker.limits.min_angle = aim;
   sweep_while_moving(worker, kMendingSweeps, [&] { angle_pass(state, worker, patch.free_vertices(), aim); });

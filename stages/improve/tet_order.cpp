@@ -5,19 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/base/morton.h"
+
 namespace periost {
 namespace {
 
 constexpr double kCells = 1 << 20;  // along an axis
-
-// Two zero bits between the lowest 21 bits.
-std::uint64_t spread(std::uint64_t x) {
-  x = (x | x << 32) & 0x001F00000000FFFF;
-  x = (x | x << 16) & 0x001F0000FF0000FF;
-  x = (x | x << 8) & 0x100F00F00F00F00F;
-  x = (x | x << 4) & 0x10C30C30C30C30C3;
-  return (x | x << 2) & 0x1249249249249249;
-}
 
 }  // namespace
 
@@ -35,8 +28,8 @@ TetMesh in_curve_order(const TetMesh& mesh) {
     const auto& [a, b, c, d] = mesh.tets[t];
     const auto& p = mesh.points;
     const Vec3 cell = (0.25 * (p[a] + p[b] + p[c] + p[d]) - low) * per_mm;
-    const auto part = [](double x) { return spread(static_cast<std::uint64_t>(std::max(x, 0.0))); };
-    keys.emplace_back(part(cell.x) | part(cell.y) << 1 | part(cell.z) << 2, t);
+    const auto part = [](double x) { return static_cast<std::uint64_t>(std::max(x, 0.0)); };
+    keys.emplace_back(morton_code(part(cell.x), part(cell.y), part(cell.z)), t);
   }
   std::sort(keys.begin(), keys.end());
   TetMesh result;
