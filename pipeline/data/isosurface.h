@@ -37,12 +37,17 @@ struct TriangleRange {
 // Blocks are found by direct index: `block_table` has an entry for every block of the grid (kNoIndex where no
 // triangle lies), i fastest. At four bytes for 512 voxels it is small beside any image, and faster than a
 // hash.
+//
+// A surface that was read stands for an isosurface without voxels (geometry/isosurface_of_surface.h).
 struct Isosurface {
   GridFrame frame;
   SurfaceMesh surface;
   std::vector<Index> block_table;  // positions in `blocks`
   std::vector<CellBlock> blocks;   // ascending first_triangle
   bool is_open = false;
+
+  // Whether an image is behind it: otherwise there are no cells, and queries by voxels find nothing.
+  bool has_voxels() const { return !blocks.empty(); }
 
   // Number of blocks along one axis of a grid that has `dims` voxels there.
   static std::int32_t block_count(std::int32_t dims) { return (dims + CellBlock::kSide) / CellBlock::kSide; }

@@ -126,6 +126,12 @@ CurveReport curve_boundary(TetMesh& mesh, const Isosurface& isosurface, const Cu
 
 CurveReport curve_boundary_and_log(TetMesh& mesh, const Isosurface& isosurface, const CurveOptions& options,
                                    const char* code, const Context& context) {
+  if (!isosurface.has_voxels()) {
+    throw Error(
+        ErrorKind::kUsage, code,
+        "curved: true looks for the isosurface in an image's voxels, but no image is behind the surface",
+        "leave out curved");
+  }
   const CurveReport report = curve_boundary(mesh, isosurface, options, context);
   context.info(
       code,

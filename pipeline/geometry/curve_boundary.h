@@ -32,6 +32,7 @@ CurveReport curve_boundary(TetMesh& mesh, const Isosurface& isosurface, const Cu
                            const Context& context);
 
 // The same with one line of the log, `code`: how many nodes were moved and how many were left, and why.
+// Throws Error{kUsage, code} where no image is behind the isosurface.
 CurveReport curve_boundary_and_log(TetMesh& mesh, const Isosurface& isosurface, const CurveOptions& options,
                                    const char* code, const Context& context);
 

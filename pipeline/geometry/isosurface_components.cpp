@@ -28,6 +28,11 @@ std::vector<bool> largest_of(const std::vector<std::uint32_t>& component, std::u
 void drop_triangles(Isosurface& isosurface, const std::vector<bool>& is_kept) {
   std::vector<Triangle>& triangles = isosurface.surface.triangles;
   Index next = 0;
+  if (!isosurface.has_voxels()) {
+    for (std::size_t t = 0; t < is_kept.size(); ++t) {
+      if (is_kept[t]) triangles[next++] = triangles[t];
+    }
+  }
   for (CellBlock& block : isosurface.blocks) {
     const Index begin = block.first_triangle;
     block.first_triangle = next;
@@ -76,6 +81,15 @@ std::uint32_t keep_largest_surfaces(Isosurface& isosurface, std::uint32_t count)
   drop_triangles(isosurface, is_kept);
   drop_unused_points(surface);
   return components - count;
+}
+
+void drop_small_surfaces(Isosurface& isosurface, std::size_t least) {
+  SurfaceMesh& surface = isosurface.surface;
+  const auto is_small = in_small_component(surface.triangles, surface.points.size(), least);
+  std::vector<bool> is_kept(is_small.size());
+  for (std::size_t t = 0; t < is_small.size(); ++t) is_kept[t] = is_small[t] == 0;
+  drop_triangles(isosurface, is_kept);
+  drop_unused_points(surface);
 }
 
 }  // namespace periost

@@ -13,4 +13,7 @@ namespace periost {
 // points.
 std::uint32_t keep_largest_surfaces(Isosurface& isosurface, std::uint32_t count);
 
+// Likewise drops the surfaces of fewer than `least` triangles. Works without voxels, too.
+void drop_small_surfaces(Isosurface& isosurface, std::size_t least);
+
 }  // namespace periost

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 namespace periost {
 namespace {
@@ -83,14 +84,37 @@ class Connector {
     return std::nullopt;
   }
 
-  // The same for an input that the file names: there an isosurface may stand for a surface.
-  std::optional<PlanInput> match_named(const Source& source, Port port) const {
+  // The same for an input that the file names: there an isosurface may stand for a surface, and a surface for
+  // an isosurface.
+  std::optional<PlanInput> match_named(const Source& source, const Port& port) const {
+    if (const auto found = match(source, port)) return found;
+    if (port.kind == ArtefactKind::kSurface) return match_standing(source, port, ArtefactKind::kIsosurface);
+    if (port.kind == ArtefactKind::kIsosurface) return match_standing(source, port, ArtefactKind::kSurface);
+    return std::nullopt;
+  }
+
+  // An output of another kind, which then stands for the port's.
+  std::optional<PlanInput> match_standing(const Source& source, Port port, ArtefactKind other) const {
+    const ArtefactKind wanted = std::exchange(port.kind, other);
     std::optional<PlanInput> found = match(source, port);
-    if (found || port.kind != ArtefactKind::kSurface) return found;
-    port.kind = ArtefactKind::kIsosurface;
-    found = match(source, port);
-    if (found) found->kind = ArtefactKind::kSurface;
+    if (found) found->kind = wanted;
     return found;
+  }
+
+  // Where no stage made an isosurface: the surface that stood for it before, or, where one is needed, the
+  // newest.
+  std::optional<PlanInput> surface_for_isosurface(const Port& port) const {
+    for (std::size_t step = earlier_.size(); step-- > 0;) {
+      for (const PlanInput& input : earlier_[step].inputs) {
+        if (input.kind == ArtefactKind::kIsosurface)
+          return PlanInput{port.name, input.step, input.output, port.kind};
+      }
+    }
+    for (std::size_t step = earlier_.size(); !port.optional && step-- > 0;) {
+      if (const auto found = match_standing({&earlier_[step], step, {}}, port, ArtefactKind::kSurface))
+        return found;
+    }
+    return std::nullopt;
   }
 
   void pick_by_kind(const InputChoice& choice) {
@@ -156,6 +180,10 @@ class Connector {
         continue;
       }
       chosen_[i] = match(Source{&earlier_[step], step, {}}, port);
+      if (chosen_[i]) return;
+    }
+    if (is_first && port.kind == ArtefactKind::kIsosurface && !maybe_produced_) {
+      chosen_[i] = surface_for_isosurface(port);
       if (chosen_[i]) return;
     }
     if (port.optional || maybe_produced_) return;

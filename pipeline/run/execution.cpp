@@ -8,6 +8,7 @@
 
 #include "pipeline/base/file.h"
 #include "pipeline/base/hash.h"
+#include "pipeline/geometry/isosurface_of_surface.h"
 #include "pipeline/io/archive.h"
 #include "pipeline/param/render.h"
 #include "pipeline/run/artefact_files.h"
@@ -28,6 +29,15 @@ std::set<ArtefactKind> kinds_as_files(const Plan& plan, const RunOptions& option
     if (is_wanted && !file_name_of(kind).empty()) kinds.insert(kind);
   }
   return kinds;
+}
+
+// What stands for an artefact of another kind: an isosurface's triangles for a surface, and the other way
+// round.
+Artefact as_kind(const Artefact& artefact, ArtefactKind kind) {
+  if (kind_of(artefact) == kind) return artefact;
+  if (kind == ArtefactKind::kSurface) return as_surface(artefact);
+  const auto& surface = std::get<std::shared_ptr<const SurfaceMesh>>(artefact);
+  return std::make_shared<const Isosurface>(isosurface_of_surface(*surface));
 }
 
 }  // namespace
@@ -208,7 +218,7 @@ CacheEntry Execution::compute(std::size_t index) {
   Inputs inputs;
   for (const PlanInput& input : step.inputs) {
     const Artefact& artefact = store_.at({input.step, input.output});
-    inputs.set(input.port, kind_of(artefact) == input.kind ? artefact : as_surface(artefact));
+    inputs.set(input.port, as_kind(artefact, input.kind));
   }
   if (const auto hints = hints_for(step)) inputs.set(step.hints_port, hints);
   Context context = context_for(step.id);

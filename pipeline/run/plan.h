@@ -19,7 +19,7 @@ struct PlanInput {
   std::size_t step = 0;                      // index of an earlier step
   std::size_t output = 0;                    // index among that step's declared outputs
   ArtefactKind kind = ArtefactKind::kImage;  // that the input takes; the output's but for an isosurface
-                                             // that stands for a surface
+                                             // that stands for a surface, or a surface for one
 };
 
 struct PlanStep {
@@ -65,9 +65,9 @@ std::vector<UnrolledStep> unrolled(const Plan& plan);
 // Checks a configuration against the known stages; diagnostics are then in the order of the file. All
 // problems are added to `diagnostics`, each with its place; a plan with errors among them must not be run. A
 // stage takes the newest artefact of each kind it needs; `from:` picks another; of several inputs of one
-// kind, all but the first must be picked. With `feedback`, inputs of kind hints take what the last stage that
-// gives hints gave in the round before (nothing in the first round); without, they are never connected. The
-// registry must outlive the plan.
+// kind, all but the first must be picked. Where no stage makes an isosurface, a surface stands for it. With
+// `feedback`, inputs of kind hints take what the last stage that gives hints gave in the round before
+// (nothing in the first round); without, they are never connected. The registry must outlive the plan.
 Plan make_plan(const Configuration& configuration, const Registry& registry, Diagnostics& diagnostics);
 
 // The configuration that this plan came from with every default, id and input spelled out, as it goes to

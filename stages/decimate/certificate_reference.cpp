@@ -92,7 +92,7 @@ void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_co
 }
 
 Reference::Reference(const Isosurface& isosurface, std::vector<Index>* order)
-    : voxel_mm(isosurface.frame.largest_spacing()), frame_(isosurface.frame) {
+    : voxel_mm(isosurface.surface.voxel_mm), frame_(isosurface.frame) {
   renumber(isosurface.surface, order);
   link();
 }

@@ -32,7 +32,7 @@ class Reference {
   std::vector<Vec3> points;               // LPS mm, Morton order
   std::vector<LinkedTriangle> triangles;  // sorted by cell
   std::vector<Vec3> normals;              // unit, of triangles
-  double voxel_mm = 0;                    // largest voxel side
+  double voxel_mm = 0;                    // largest voxel side; 0: no image behind it
 
   struct Nearest {
     Index triangle = kNoIndex;

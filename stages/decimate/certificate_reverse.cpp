@@ -266,16 +266,6 @@ ReverseProofs make_reverse_proofs(std::size_t triangle_count) {
   return proofs;
 }
 
-void drop_triangle(Index t, CertifiedMesh& mesh, ReverseProofs& proofs) {
-  LinkedTriangle& triangle = mesh.triangles[t];
-  for (const Index v : triangle.corner) {
-    mesh.incident[v] = kNoIndex;
-    if (!mesh.contour.empty()) mesh.contour[v] = kOffContour;  // it may come to life elsewhere
-  }
-  triangle.corner[0] = kNoIndex;
-  proofs.proof[t].home = proofs.first[t] = kNoIndex;
-}
-
 bool certify_reverse(const Reference& reference, const CertifiedMesh& mesh, const ReverseProofs& proofs,
                      const Proposal& proposal, const std::vector<Index>& around, const RingScratch* ring,
                      double tolerance, ReverseScratch& scratch) {

@@ -37,9 +37,6 @@ struct ReverseProofs {
 // Each isosurface triangle is its own home.
 ReverseProofs make_reverse_proofs(std::size_t triangle_count);
 
-// Takes an isosurface triangle that is still its own home out of mesh and proofs: it is dropped on request.
-void drop_triangle(Index t, CertifiedMesh& mesh, ReverseProofs& proofs);
-
 // The renewed proofs of one proposal, to be stored when it is applied; and the buffers of one thread.
 struct ReverseScratch {
   // A triangle in the form that answers "within the tolerance?" quickly.

@@ -13,6 +13,7 @@ constexpr double kBeyondEnd = 1e-9;  // of parameters along a segment, always on
 constexpr double kFlat = 1e-7;       // shadows of triangles with less area than this, per squared edge
 constexpr int kFanWalk = 256;
 constexpr std::size_t kFanFlood = 4096;
+constexpr std::uint32_t kApex = std::uint32_t{1} << 31;  // among the bits of a fan's vertices
 // Of the first new triangle, in general position; the degree is measured there.
 constexpr std::array<double, 2> kFanProbe{0.328759, 0.334138};
 
@@ -171,6 +172,7 @@ class FanOverlay {
     probe_ = {kFanProbe[0] * a.x + kFanProbe[1] * b.x, kFanProbe[0] * a.y + kFanProbe[1] * b.y};
     const Index seed = walk(start);
     if (seed == kNoIndex) return Answer::kUnknown;
+    place_common_vertices();
     push(seed);
     for (std::size_t i = 0; i < scratch_.visits.size(); ++i) {
       const bool goes_on = visit(i);
@@ -237,12 +239,10 @@ class FanOverlay {
     return true;
   }
 
-  // The vertex in the fan's frame, and over which new triangle it lies.
-  std::uint32_t foot(Index v) {
-    auto& mark = scratch_.foot_of[v];
-    if (mark.stamp == scratch_.tick) return mark.at;
+  // An isosurface vertex in the fan's frame, and on which side of each line; the caller knows no foot of it.
+  std::uint32_t place_foot(Index v) {
     const std::uint32_t number = foot_count_++;
-    mark = {scratch_.tick, number};
+    scratch_.foot_of[v] = {scratch_.tick, number};
     if (number == scratch_.feet.size()) scratch_.feet.resize(2 * scratch_.feet.size() + 64);
     Foot& foot = scratch_.feet[number];
     const Vec3 q = fan_.to_fan(reference_.points[v]);
@@ -256,26 +256,63 @@ class FanOverlay {
       sides |= static_cast<std::uint32_t>(~std::bit_cast<std::uint64_t>(foot.offset[l]) >> 63) << l;
     }
     foot.sides = sides;
-    foot.cell = 0;
+    foot.cell = foot.vertex = foot.touched = 0;
     foot.is_high = false;
+    return number;
+  }
+
+  // The fan's vertices that are still vertices of the isosurface: they have the same number and place.
+  void place_common_vertices() {
+    const auto is_common = [&](Index v) {
+      return v != proposal_.moved && v < reference_.points.size() && mesh_.points[v] == reference_.points[v];
+    };
+    for (std::size_t i = 0; i < fan_.spokes; ++i) {
+      if (!is_common(fan_.vertex[i])) continue;
+      Foot& foot = scratch_.feet[place_foot(fan_.vertex[i])];
+      foot.cell = fan_.cells_at[i];
+      foot.vertex = 1u << i;
+      foot.touched = fan_.lines_at[i];
+    }
+    if (const Index apex = apex_of(proposal_); is_common(apex)) {
+      Foot& foot = scratch_.feet[place_foot(apex)];
+      foot.cell = (1u << fan_.cells) - 1;
+      foot.vertex = kApex;
+      foot.touched = (1u << fan_.spokes) - 1;
+    }
+  }
+
+  // The vertex in the fan's frame, and over which new triangle it lies.
+  std::uint32_t foot(Index v) {
+    const auto mark = scratch_.foot_of[v];
+    if (mark.stamp == scratch_.tick) return mark.at;
+    const std::uint32_t number = place_foot(v);
+    Foot& foot = scratch_.feet[number];
     for (std::size_t j = 0; j < fan_.cells; ++j) {
-      const std::uint32_t inside = (sides >> fan_.cell[j].a) & ~(sides >> fan_.cell[j].b) & 1u;
-      if ((inside & (sides >> (fan_.spokes + j))) == 0) continue;
+      const std::uint32_t inside = (foot.sides >> fan_.cell[j].a) & ~(foot.sides >> fan_.cell[j].b) & 1u;
+      if ((inside & (foot.sides >> (fan_.spokes + j))) == 0) continue;
       foot.cell = 1u << j;
-      foot.is_high = note(foot.cell, q.z - fan_.height(j, {q.x, q.y}));
+      foot.is_high = note(foot.cell, foot.z - fan_.height(j, {foot.x, foot.y}));
       break;
     }
     return number;
   }
 
+  static bool is_inside(const Foot& foot) { return foot.cell != 0 && foot.vertex == 0; }
+
   // The crossings of an isosurface edge with the fan's; whether its shadow meets the fan's.
   bool cross_lines(const Foot& a, const Foot& b, RingScratch::Visit& seen) {
-    if ((a.cell & b.cell) != 0) return true;  // both in one new triangle, which is convex
-    bool meets = a.cell != 0 || b.cell != 0;
+    const std::uint32_t common = a.cell & b.cell;
+    if (common != 0 && a.vertex != 0 &&
+        b.vertex != 0) {  // an edge of both: of one new triangle, or between two
+      seen.cells = common;
+      return std::popcount(common) > 1;
+    }
+    if (common != 0) return true;  // both in one new triangle, which is convex
+    bool meets = is_inside(a) || is_inside(b);
     // With both ends outside, spokes are reached over the border only, whose lines come last.
     const std::uint32_t border =
         fan_.spokes == fan_.cells ? ~std::uint32_t{0} << fan_.spokes : ~std::uint32_t{0};
-    const std::uint32_t crossed = a.sides ^ b.sides;
+    const std::uint32_t crossed = (a.sides ^ b.sides) & ~(a.touched | b.touched);
     for (std::uint32_t left = crossed; left != 0; left ^= std::bit_floor(left)) {
       if (!meets && (left & border) == 0) break;
       const auto l = static_cast<std::size_t>(std::bit_width(left) - 1);
@@ -314,16 +351,18 @@ class FanOverlay {
     const std::uint32_t any = f[0]->sides | f[1]->sides | f[2]->sides;
     const std::uint32_t mixed = any & ~(f[0]->sides & f[1]->sides & f[2]->sides);
     const std::uint32_t all_spokes = (1u << fan_.spokes) - 1;
+    const std::uint32_t own = f[0]->vertex | f[1]->vertex | f[2]->vertex;
     double height = 0;
     int orientation = 0;
-    if ((mixed & all_spokes) == all_spokes && height_at(f, {0, 0}, height, orientation)) {
+    if ((mixed & all_spokes) == all_spokes && (own & kApex) == 0 &&
+        height_at(f, {0, 0}, height, orientation)) {
       const std::uint32_t all_cells = (1u << fan_.cells) - 1;
       visit.cells |= all_cells;
       visit.leaves = visit.leaves || fan_.spokes != fan_.cells;
       visit.is_high = note(all_cells, height) || visit.is_high;
     }
     for (std::size_t i = 0; i < fan_.spokes; ++i) {
-      if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i]) continue;
+      if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i] || (own >> i & 1u) != 0) continue;
       const Planar p{fan_.rim[i].x, fan_.rim[i].y};
       if (!height_at(f, p, height, orientation)) continue;
       visit.cells |= fan_.cells_at[i];
@@ -342,7 +381,9 @@ class FanOverlay {
     const std::array<const Foot*, 3> f{&scratch_.feet[number[0]], &scratch_.feet[number[1]],
                                        &scratch_.feet[number[2]]};
     scratch_.visits[i].foot = number;
-    scratch_.visits[i].cells |= f[0]->cell | f[1]->cell | f[2]->cell;
+    std::uint32_t cells = f[0]->cell & f[1]->cell & f[2]->cell;
+    for (const Foot* const corner : f) cells |= is_inside(*corner) ? corner->cell : 0;
+    scratch_.visits[i].cells |= cells;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index next = triangle.across[k];
       const RingScratch::Mark known = next == kNoIndex ? RingScratch::Mark{} : scratch_.visit_of[next];
@@ -400,9 +441,12 @@ bool is_covered_by_ring(const Proposal& proposal, const RingScratch& scratch, In
   if (!visit || visit->leaves || visit->is_high || std::popcount(visit->cells) > 4) return false;
   std::uint32_t home = 0;
   for (const std::uint32_t number : visit->foot) {
-    if (scratch.feet[number].cell == 0 || scratch.feet[number].is_high) return false;
-    home = scratch.feet[number].cell;
+    const RingScratch::Foot& foot = scratch.feet[number];
+    if (foot.cell == 0 || foot.is_high) return false;
+    if (foot.vertex == 0) home = foot.cell;
   }
+  if (home == 0) home = visit->cells & (~visit->cells + 1);
+  if (home == 0) return false;
   const auto id = [&](std::uint32_t bit) {
     return proposal.after[static_cast<std::size_t>(std::countr_zero(bit))];
   };

@@ -8,17 +8,20 @@
 // shadows along d tile a polygon. Starting at the isosurface triangle under a point of the fan, collect
 // isosurface triangles across every edge whose shadow meets the fan's. The corners of the overlay of both are
 // the isosurface's vertices over the fan, the fan's vertices, and the crossings of their edges; between them
-// the height of one over the other is linear.
+// the height of one over the other is linear. Early on most vertices of a fan are still the isosurface's own:
+// there both meet at height 0, nothing crosses, and an isosurface edge that is the fan's border is where the
+// patch ends.
 //
-// Forward. No edge on the collected patch's border has a shadow that meets the fan's, so the degree of the
-// patch over the fan is the same everywhere; if it is at least 1, each point of a new triangle has a
-// collected one over or under it. So a new triangle is within the tolerance of the isosurface if the heights
-// at all corners of its overlay are.
+// Forward. No edge on the collected patch's border has a shadow that meets the inside of the fan's, so the
+// degree of the patch over the fan is the same everywhere; if it is at least 1, each point of a new triangle
+// has a collected one over or under it. So a new triangle is within the tolerance of the isosurface if the
+// heights at all corners of its overlay are.
 //
 // Reverse. An isosurface triangle whose shadow lies in the fan's, so that none of its own corners of the
-// overlay lies on the fan's border or beyond, is covered by the new triangles that it overlaps; it is within
-// the tolerance of these if the heights at its own corners are. The degree does not matter here: where a thin
-// body folds back under the fan it is 0, and the forward proof fails, but not this one.
+// overlay lies on the fan's border or beyond but where that has the same vertex, is covered by the new
+// triangles that it overlaps; it is within the tolerance of these if the heights at its own corners are. The
+// degree does not matter here: where a thin body folds back under the fan it is 0, and the forward proof
+// fails, but not this one.
 //
 // Decisions are made in floating point. A crossing that is missed lies within rounding of one that is not, so
 // the error in distance is of the order of 1e-12 of the sizes concerned, and is part of what callers keep of
@@ -33,7 +36,7 @@ namespace periost {
 
 // Which output triangles an isosurface triangle lies within the tolerance of, all taken together.
 struct ReverseProof {
-  Index home = kNoIndex;  // kNoIndex: dropped on request, proved by nothing
+  Index home = kNoIndex;
   std::array<Index, 3> label{kNoIndex, kNoIndex, kNoIndex};
 };
 
@@ -44,9 +47,11 @@ struct RingScratch {
   // An isosurface vertex in the fan's frame: x and y along the plane, z along d, mm from the apex.
   struct Foot {
     double x, y, z;
-    std::uint32_t sides;                     // bit l: left of line l
-    std::uint32_t cell;                      // the new triangle that it is over, as a bit; 0: none
-    bool is_high;                            // further than the tolerance from it
+    std::uint32_t sides;    // bit l: left of line l
+    std::uint32_t cell;     // the new triangle that it is over, as a bit; 0: none
+    std::uint32_t vertex;   // the fan's vertex that it is, as a bit; 0: none. `cell` has all there
+    std::uint32_t touched;  // bits of the lines that meet at that vertex
+    bool is_high;           // further than the tolerance from it
     std::array<double, 2 * kMaxFan> offset;  // from line l, times its length
   };
   struct Visit {

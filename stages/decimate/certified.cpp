@@ -45,7 +45,7 @@ constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 3;
 constexpr double kLeastLoss = 0.002;  // of the volume: fitted well enough when less is lost or won
 constexpr int kSliverSweeps = 3;
-constexpr int kSliverRounds = 24;
+constexpr int kSliverRounds = 24, kRoundsInVain = 4;
 constexpr int kSplits = 3;
 constexpr double kSplitBelow = 0.75;  // of the least angle: slivers so bad are split in the hope of more
 constexpr std::size_t kRegions = 4;   // that space is cut into, as long as they are not too small
@@ -66,27 +66,6 @@ double tolerance_mm(const Isosurface& isosurface, const DecimateOptions& options
 
 double reverse_scale(ReverseDistance reverse) {
   return reverse == ReverseDistance::kNone ? 0 : reverse == ReverseDistance::kOnce ? 1 : 2;
-}
-
-// Drops the components with fewer triangles than asked.
-void drop_small_components(std::size_t least, CertifiedMesh& mesh, ReverseProofs& proofs) {
-  const Index count = static_cast<Index>(mesh.triangles.size());
-  std::vector<std::uint8_t> seen(count, 0);
-  std::vector<Index> component;
-  for (Index start = 0; start < count; ++start) {
-    if (seen[start]) continue;
-    component.assign(1, start);
-    seen[start] = 1;
-    for (std::size_t head = 0; head < component.size(); ++head) {
-      for (const Index next : mesh.triangles[component[head]].across) {
-        if (next == kNoIndex || seen[next]) continue;
-        seen[next] = 1;
-        component.push_back(next);
-      }
-    }
-    if (component.size() >= least) continue;
-    for (const Index t : component) drop_triangle(t, mesh, proofs);
-  }
 }
 
 std::size_t living_triangles(const CertifiedMesh& mesh) {
@@ -131,9 +110,6 @@ CertifiedState make_state(const Reference& reference, const Isosurface& isosurfa
                    make_reverse_proofs(reference.triangles.size()),
                    make_quadrics(reference),
                    {}};
-  if (options.small_components == SmallComponents::kDrop && options.small_triangles > 0) {
-    drop_small_components(static_cast<std::size_t>(options.small_triangles), parts.mesh, parts.proofs);
-  }
   parts.contours = make_contours(reference, parts.mesh);
   add_contour_quadrics(reference, parts.mesh, parts.quadrics);
   return assemble(reference, isosurface, std::move(parts), options, watch, context);
@@ -197,16 +173,26 @@ class Schedule {
 
  private:
   void remove_by_cost() {
-    sweep(kTopologySlack, swap_pass);
+    sweep_early([](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+      swap_pass(state, worker, vertices);
+    });
     for (int stage = 0; stage < kStages && removals_left() > 0; ++stage) {
       const double limit = median_removal_cost(state_);
-      sweep(kTopologySlack, [limit](CertifiedState& state, Worker& worker, const VertexList& vertices) {
-        worker.is_thorough = false;
+      sweep_early([limit](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         removal_pass(state, worker, vertices, limit);
-        worker.is_thorough = true;
       });
       end_step("stage");
     }
+  }
+
+  // Passes while later ones are likely to mend what these leave.
+  template <class Work>
+  void sweep_early(Work&& work) {
+    sweep(kTopologySlack, [&work](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+      worker.is_thorough = false;
+      work(state, worker, vertices);
+      worker.is_thorough = true;
+    });
   }
 
   void finish() {
@@ -251,7 +237,7 @@ class Schedule {
 
   // All of space is one region, and its vertices are that worker's.
   std::unique_ptr<Worker> take_lone_worker(VertexList& vertices) {
-    auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0);
+    auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0, context_);
     std::unique_ptr<Worker> worker = take_worker();
     worker->limits = limits_of(options_);
     worker->quota = std::numeric_limits<std::size_t>::max();
@@ -345,12 +331,17 @@ class Schedule {
     share(spares.triangles, worker.dead_triangles);
   }
 
+  // Goes on as long as slivers become fewer, or may do so in a few rounds more.
   void mend_with_insertions(Worker& worker) {
-    for (int round = 0; round < kSliverRounds; ++round) {
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    for (int round = 0, in_vain = 0; round < kSliverRounds && in_vain < kRoundsInVain; ++round) {
       context_.check_cancelled();
       const std::uint64_t before = worker.counts.moves();
-      sliver_pass(state_, worker, sliver_vertices(state_, worker.limits.min_angle));
+      const VertexList vertices = sliver_vertices(state_, worker.limits.min_angle);
+      sliver_pass(state_, worker, vertices);
       if (worker.counts.moves() == before) break;
+      in_vain = vertices.size() < fewest ? 0 : in_vain + 1;
+      fewest = std::min(fewest, vertices.size());
     }
   }
 
@@ -381,7 +372,7 @@ class Schedule {
     const std::size_t left = removals_left();
     std::size_t living = 0;
     for (const Index t : state_.mesh.incident) living += t != kNoIndex ? 1 : 0;
-    auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++);
+    auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++, context_);
     std::stable_sort(regions.begin(), regions.end(),
                      [](const Region& a, const Region& b) { return a.vertices.size() > b.vertices.size(); });
     std::atomic<std::size_t> next{0};
@@ -462,9 +453,6 @@ DecimationReport make_report(const MoveCounts& counts, const Isosurface& isosurf
   report.swaps = counts.swaps;
   report.relocations = counts.relocations;
   report.requested_distance_mm = tolerance_mm(isosurface, options);
-  if (options.small_components == SmallComponents::kDrop) {
-    report.dropped_below = static_cast<std::uint64_t>(std::max(0, options.small_triangles));
-  }
   report.rejected_link = refused(Refusal::kLink);
   report.rejected_topology = refused(Refusal::kTopology);
   report.rejected_barycentric = refused(Refusal::kBarycentric);

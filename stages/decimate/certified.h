@@ -18,8 +18,7 @@
 // own home; a proof is hurt only by a move that changes its home or a label, such a move renews it or is
 // refused (certificate_reverse.h). By induction both hold at the end: the Hausdorff distance between output
 // and isosurface is at most the tolerance. Coordinates are double and 1e-4 of the tolerance is kept for
-// rounding. With `reverse: none` only F is kept; with 2, R holds for twice the tolerance. Components dropped
-// on request are left out of R.
+// rounding. With `reverse: none` only F is kept; with 2, R holds for twice the tolerance.
 //
 // Why the topology stays. Removals meet the link condition and swaps never double an edge, so each component
 // stays a manifold of the same Euler number. Self-intersections are kept out move by move with exact
@@ -48,8 +47,6 @@
 // inner vertices do not come to these planes. F and R are as before, near contours too: an overlay that meets
 // a contour proves nothing, and bisection decides. Every removal at a contour meets the link condition there
 // (certified_contour_moves.h), so contours keep their number.
-//
-// Components of fewer than `small_triangles` triangles are treated like others, or dropped on request.
 #include "pipeline/base/context.h"
 #include "pipeline/data/isosurface.h"
 #include "pipeline/data/simplex_mesh.h"

@@ -15,7 +15,7 @@ constexpr double kRelocationStrength = 1.0;
 constexpr double kLeastRelocation = 0.1;  // tolerances: smaller ones are not worth a check
 constexpr int kSwapRounds = 4;            // around one removal
 // D beyond which an edge near a removal is swapped: at once, or while later removals are likely to mend it.
-constexpr int kMostDifference = 2, kMostDifferenceEarly = 4;
+constexpr int kMostDifference = 2, kMostDifferenceEarly = 6;
 constexpr double kFit = 0.5;        // of the mean height: all of it would overshoot
 constexpr double kLeastFit = 0.01;  // tolerances: smaller mean heights are left
 
@@ -388,8 +388,9 @@ void removal_pass(CertifiedState& state, Worker& worker, const VertexList& verti
 }
 
 void swap_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {
+  const int most_difference = worker.is_thorough ? kMostDifference : kMostDifferenceEarly;
   for_free_rings(state.mesh, vertices,
-                 [&](Index, const Star& ring) { swap_one(state, worker, ring, kMostDifference); });
+                 [&](Index, const Star& ring) { swap_one(state, worker, ring, most_difference); });
 }
 
 void relocation_pass(CertifiedState& state, Worker& worker, const VertexList& vertices) {

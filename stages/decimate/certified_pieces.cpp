@@ -19,14 +19,6 @@ namespace {
 
 constexpr double kOnCut = 1e-6;  // voxels
 
-// Of triangles of the isosurface: whether they are to be dropped; empty when none are.
-std::vector<std::uint8_t> dropped_triangles(const Isosurface& isosurface, const DecimateOptions& options) {
-  if (options.small_components != SmallComponents::kDrop || options.small_triangles <= 0) return {};
-  const SurfaceMesh& surface = isosurface.surface;
-  return in_small_component(surface.triangles, surface.points.size(),
-                            static_cast<std::size_t>(options.small_triangles));
-}
-
 // Locks the cut contours of a piece, whose quadrics are then the surface's alone.
 void lock_cuts(const CutPlanes& planes, CertifiedState& state) {
   CertifiedMesh& mesh = state.mesh;
@@ -66,13 +58,6 @@ void keep_between_cuts(const CutPlanes& planes, std::size_t part, CertifiedConto
   contours.hi[axis] = std::min(contours.hi[axis], contours.cut_hi[axis]);
 }
 
-void drop_triangles(const std::vector<std::uint8_t>& is_dropped, const std::vector<Index>& whole,
-                    CertifiedState& state) {
-  for (Index t = 0; t < whole.size(); ++t) {
-    if (is_dropped[whole[t]]) drop_triangle(t, state.mesh, state.proofs);
-  }
-}
-
 // Triangles at locked vertices and their neighbours, about which nothing moves.
 std::size_t frozen_triangles(const CertifiedMesh& mesh) {
   std::vector<std::uint8_t> is_frozen = mesh.is_locked;
@@ -89,8 +74,8 @@ std::size_t frozen_triangles(const CertifiedMesh& mesh) {
 }
 
 DecimatedPiece decimate_piece(const Isosurface& isosurface, const SlabPlan& plan, std::size_t part,
-                              const std::vector<std::uint8_t>& is_dropped, DecimateOptions options,
-                              const Context& context, std::vector<ReverseProof>& proofs) {
+                              DecimateOptions options, const Context& context,
+                              std::vector<ReverseProof>& proofs) {
   const int axis = plan.planes.axis;
   std::vector<Index> order;
   std::optional<Reference> reference;
@@ -104,10 +89,8 @@ DecimatedPiece decimate_piece(const Isosurface& isosurface, const SlabPlan& plan
   for (Index& t : order) t = whole[t];
   whole = std::move(order);
 
-  options.small_components = SmallComponents::kKeep;  // it is the whole that counts
   CertifiedState state = make_certified_state(*reference, isosurface, options, context);
   lock_cuts(plan.planes, state);
-  if (!is_dropped.empty()) drop_triangles(is_dropped, whole, state);
   if (options.max_triangles > 0) {  // what is dense at the cuts is left to the next phase
     const double share =
         static_cast<double>(whole.size()) / static_cast<double>(isosurface.surface.triangles.size());
@@ -140,12 +123,11 @@ std::vector<std::size_t> order_of(std::size_t count, std::uint64_t seed) {
 
 JoinedMesh decimate_pieces(const Isosurface& isosurface, const SlabPlan& plan, std::uint64_t order_seed,
                            const DecimateOptions& options, const Context& context) {
-  const std::vector<std::uint8_t> is_dropped = dropped_triangles(isosurface, options);
   JoinedMesh joined;
   if (options.reverse != ReverseDistance::kNone) joined.proofs.resize(isosurface.surface.triangles.size());
   std::vector<DecimatedPiece> pieces(plan.pieces.size());
   for (const std::size_t part : order_of(pieces.size(), order_seed))
-    pieces[part] = decimate_piece(isosurface, plan, part, is_dropped, options, context, joined.proofs);
+    pieces[part] = decimate_piece(isosurface, plan, part, options, context, joined.proofs);
   PieceJoiner joiner(joined);
   for (std::size_t part = 0; part < pieces.size(); ++part) {
     joiner.add(pieces[part], triangles_of_slab(isosurface, plan.planes.axis, plan.pieces[part]));

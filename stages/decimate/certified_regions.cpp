@@ -81,7 +81,8 @@ void lock_borders(CertifiedMesh& mesh, const std::vector<Vec3>& place, const std
 
 }  // namespace
 
-std::vector<Region> cut_regions(CertifiedState& state, std::size_t most, unsigned turn) {
+std::vector<Region> cut_regions(CertifiedState& state, std::size_t most, unsigned turn,
+                                const Context& context) {
   CertifiedMesh& mesh = state.mesh;
   constexpr double kFar = std::numeric_limits<double>::max();
   Region all{{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}, {}};
@@ -96,7 +97,7 @@ std::vector<Region> cut_regions(CertifiedState& state, std::size_t most, unsigne
   cut(place, state.sheets.side(), kShare[turn % kShare.size()], most, std::move(all), regions);
   if (regions.size() > 1) {
     lock_borders(mesh, place, regions);
-    state.sheets.refill(mesh);
+    state.sheets.purge(mesh, context);
   }
   return regions;
 }

@@ -125,7 +125,7 @@ SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int 
     : side_(side_voxels) {
   lay_out(reference, mesh);
   is_watched_.assign(cells_.size(), 1);
-  refill(mesh);
+  fill(mesh);
 }
 
 SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int side_voxels,
@@ -140,7 +140,7 @@ SheetGrid::SheetGrid(const Reference& reference, const CertifiedMesh& mesh, int 
     for (const Vec3& corner : reference.corners(t)) box.add(to_grid(corner));
     watch({box.lo - margin, box.hi + margin});
   }
-  refill(mesh);
+  fill(mesh);
 }
 
 void SheetGrid::lay_out(const Reference& reference, const CertifiedMesh& mesh) {
@@ -178,11 +178,36 @@ std::size_t SheetGrid::choose_cells(const CertifiedMesh& mesh, const GridFrame& 
   return cells;
 }
 
-void SheetGrid::refill(const CertifiedMesh& mesh) {
-  for (auto& cell : cells_) cell.clear();
+void SheetGrid::fill(const CertifiedMesh& mesh) {
   for (Index t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangles[t].is_alive()) insert(mesh, t);
   }
+}
+
+void SheetGrid::purge(const CertifiedMesh& mesh, const Context& context) {
+  constexpr std::size_t kBlock = 2048;
+  parallel_blocks(context, cells_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      std::erase_if(cells_[cell], [&](const Entry& entry) {
+        if (!mesh.triangles[entry.triangle].is_alive()) return true;
+        const auto [first, last] = range_of(box_in_cells(mesh, entry.triangle));
+        std::size_t row = cell;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto count = static_cast<std::size_t>(count_[axis]);
+          const auto place = static_cast<std::int32_t>(row % count);
+          if (place < first[axis] || place > last[axis]) return true;
+          row /= count;
+        }
+        return false;
+      });
+    }
+  });
+}
+
+Box SheetGrid::box_in_cells(const CertifiedMesh& mesh, Index triangle) const {
+  Box box;
+  for (const Vec3& corner : corners_now(mesh, triangle)) box.add(to_grid(corner));
+  return box;
 }
 
 SheetGrid::Range SheetGrid::range_of(const Box& box) const {
@@ -236,9 +261,7 @@ void SheetGrid::approach(const CertifiedMesh& mesh, const Proposal& proposal, Sh
 }
 
 void SheetGrid::insert(const CertifiedMesh& mesh, Index triangle) {
-  Box box;
-  for (const Vec3& corner : corners_now(mesh, triangle)) box.add(to_grid(corner));
-  for_cells(box, [&](std::vector<Entry>& list, std::uint32_t lo, std::uint32_t hi) {
+  for_cells(box_in_cells(mesh, triangle), [&](std::vector<Entry>& list, std::uint32_t lo, std::uint32_t hi) {
     const auto same = [&](const Entry& entry) { return entry.triangle == triangle; };
     const auto found = std::find_if(list.begin(), list.end(), same);
     if (found == list.end()) {

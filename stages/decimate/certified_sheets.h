@@ -67,8 +67,9 @@ class SheetGrid {
   bool would_intersect(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around,
                        SheetScratch& scratch);
 
-  // Enters all living triangles anew, and nothing else.
-  void refill(const CertifiedMesh& mesh);
+  // Leaves in each cell only living triangles whose box meets it; all of these stand there already. On all
+  // threads.
+  void purge(const CertifiedMesh& mesh, const Context& context);
 
   // Voxels a side; cell borders are at its multiples in the image's index space.
   double side() const { return side_; }
@@ -93,6 +94,8 @@ class SheetGrid {
   std::size_t choose_cells(const CertifiedMesh& mesh, const GridFrame& frame);
   void lay_out(const Reference& reference, const CertifiedMesh& mesh);
   void watch(const Box& box);
+  void fill(const CertifiedMesh& mesh);
+  Box box_in_cells(const CertifiedMesh& mesh, Index triangle) const;
   bool meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch);
   struct Range {
     std::array<std::int32_t, 3> first, last;  // cells, inclusive

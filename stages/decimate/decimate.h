@@ -55,9 +55,10 @@ struct DecimateOptions {
 // The decimated model: every component of `isosurface` by itself, its Euler number unchanged, no dead
 // elements, the report filled in. Dual positions are the triangulation's vertices. An open surface keeps its
 // contours, with fewer edges: those on the image border stay on their planes. Deterministic: a
-// function of the arguments and context.seed only, whatever context.threads. Throws Error{kQuality,
-// "surface.not_manifold"} with the place; {kUsage, "decimate.no_voxel"} when
-// `distance` is in voxels and nothing has any; {kInterrupted}.
+// function of the arguments and context.seed only, whatever context.threads. Tiny components that are dropped
+// are taken out first: no distance counts to them. An isosurface without voxels (a surface that was read) is
+// decimated by `certified`, whole. Throws Error{kQuality, "surface.not_manifold"} with the place; {kUsage,
+// "decimate.no_voxel"} when an option needs voxels and there are none; {kInterrupted}.
 SimplexMesh decimate(const Isosurface& isosurface, const DecimateOptions& options, Context& context);
 
 }  // namespace periost

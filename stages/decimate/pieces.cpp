@@ -36,27 +36,6 @@ std::vector<ComponentState> component_states(const ContouredMesh& model, const S
   return states;
 }
 
-// Takes tiny components out as a whole. `was_decimated` follows.
-void drop_tiny_components(ContouredMesh& model, int least, std::vector<std::uint8_t>& was_decimated,
-                          std::vector<std::uint8_t>& start) {
-  const SimplexComponents components = components_of(model.mesh);
-  const auto states = component_states(model, components, was_decimated);
-  std::size_t kept = 0;
-  for (std::size_t v = 0; v < components.of_vertex.size(); ++v) {
-    const ComponentState& state = states[components.of_vertex[v]];
-    if (state.triangles >= least || state.was_decimated) {
-      was_decimated[kept] = was_decimated[v];
-      start[kept++] = start[v];
-      continue;
-    }
-    for (const SimplexFace f : model.mesh.face[v]) model.mesh.valence[index_of(f)] = 0;
-    model.mesh.face[v] = {kNoFace, kNoFace, kNoFace};
-  }
-  was_decimated.resize(kept);
-  start.resize(kept);
-  compact(model.mesh, model.contours);
-}
-
 // Where the joined mesh is to be decimated: around the seams, and in parts that were too small in their
 // piece.
 std::vector<std::uint8_t> start_of(const ContouredMesh& model, const std::vector<SimplexVertex>& seam,
@@ -139,8 +118,6 @@ SimplexMesh join_pieces(const Isosurface& isosurface, std::vector<Piece> pieces,
     inner += is_inner ? 1 : 0;
   }
   std::vector<std::uint8_t> start = start_of(whole, sewn.seam, was_decimated, was_cut);
-  if (options.small_components == SmallComponents::kDrop)
-    drop_tiny_components(whole, options.small_triangles, was_decimated, start);
   const SimplexComponents components = components_of(whole.mesh);
   const auto states = component_states(whole, components, was_decimated);
   for (std::size_t v = 0; v < start.size(); ++v) {

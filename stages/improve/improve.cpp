@@ -186,8 +186,10 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   std::optional<SlideReference> reference;
   std::unique_ptr<BoundarySlide> slide;
   if (tolerance > 0) {
-    if (inputs.isosurface != nullptr) {
+    if (inputs.isosurface != nullptr && inputs.isosurface->has_voxels()) {
       reference.emplace(*inputs.isosurface);
+    } else if (inputs.isosurface != nullptr) {
+      reference.emplace(inputs.isosurface->surface, context);
     } else {
       as_it_came = boundary_surface(mesh);
       reference.emplace(as_it_came, context);

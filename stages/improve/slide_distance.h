@@ -15,7 +15,8 @@ namespace periost {
 // The surface that a sliding boundary keeps its distance from, as it is asked for closest points.
 class SlideReference {
  public:
-  // What is given must live on. An isosurface is searched through its voxels, which needs no preparation.
+  // What is given must live on. An isosurface is searched through its voxels, which needs no preparation;
+  // precondition: it has any.
   explicit SlideReference(const Isosurface& isosurface);
   SlideReference(const SurfaceMesh& surface, const Context& context);
 

@@ -39,6 +39,24 @@ TEST_F(SurfaceChain, AClosedSurfaceIsFilledAndMeasured) {
               1e-6);
 }
 
+TEST_F(SurfaceChain, ASurfaceWithoutAnImageIsDecimatedAgainstItself) {
+  write(sphere_surface({120, -40, 90}, 20, 4));
+  const auto config =
+      folder_.write("case.yaml",
+                    "periost: 1\nchain:\n  - {stage: read_surface, path: a.stl}\n"
+                    "  - {stage: decimate, distance: 0.3 mm}\n  - stage: triangulate\n"
+                    "  - stage: tetgen\n  - stage: improve\n  - {stage: verify, preset: none}\n");
+  const ProcessResult result =
+      run_process({periost_program(), "run", config.string(), "--out", (folder_.path() / "out").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto quality = nlohmann::json::parse(read_text(folder_.path() / "out" / "quality.json"));
+  EXPECT_GT(quality["decimation"]["rate"], 0.5);
+  const auto& distance = quality["surface"]["distance"];
+  EXPECT_EQ(distance["unit"], "mm");
+  EXPECT_LE(distance["hausdorff"], 0.3);
+  EXPECT_GT(distance["hausdorff"], 0.05) << "it is measured to what was read";
+}
+
 TEST_F(SurfaceChain, AnOpenSurfaceIsTheInputsFault) {
   SurfaceMesh sphere = sphere_surface({120, -40, 90}, 20, 1);
   sphere.triangles.pop_back();

@@ -21,6 +21,28 @@ class ExtractStage final : public StageOf<NoOptions> {
   Outputs run(const NoOptions&, const Inputs&, Context&) const override { return {Isosurface()}; }
 };
 
+// isosurface -> surface
+class CoarsenStage final : public StageOf<NoOptions> {
+ public:
+  void declare(Declaration<NoOptions>& d) const override {
+    d.stage("coarsen", 1, "Coarsens.")
+        .input<Isosurface>("isosurface", "The isosurface.")
+        .output<SurfaceMesh>("surface", "The coarse one.");
+  }
+  Outputs run(const NoOptions&, const Inputs&, Context&) const override { return {SurfaceMesh()}; }
+};
+
+// an isosurface where there is one
+class JudgeStage final : public StageOf<NoOptions> {
+ public:
+  void declare(Declaration<NoOptions>& d) const override {
+    d.stage("judge", 1, "Judges.")
+        .optional_input<Isosurface>("isosurface", "What it is compared with.")
+        .output<QualityReport>("quality", "How it is.");
+  }
+  Outputs run(const NoOptions&, const Inputs&, Context&) const override { return {QualityReport()}; }
+};
+
 // tet_mesh, and a second one by name only
 class AgainstStage final : public StageOf<NoOptions> {
  public:
@@ -133,6 +155,34 @@ chain:
   const auto isosurface = std::make_shared<const Isosurface>();
   const Artefact surface = as_surface(isosurface);
   EXPECT_EQ(std::get<std::shared_ptr<const SurfaceMesh>>(surface).get(), &isosurface->surface);
+}
+
+TEST_F(PlanTest, ASurfaceStandsForAnIsosurfaceWhereNoneIsMade) {
+  register_stage(registry_, std::make_unique<ExtractStage>());
+  register_stage(registry_, std::make_unique<CoarsenStage>());
+  register_stage(registry_, std::make_unique<JudgeStage>());
+  const Plan read = plan(R"(periost: 1
+chain:
+  - {stage: read, path: a.nii}
+  - {stage: mesh}
+  - {stage: judge, id: before}
+  - {stage: coarsen}
+  - {stage: judge}
+)");
+  EXPECT_TRUE(read.steps.at(2).inputs.empty()) << "it does not need one";
+  EXPECT_EQ(read.steps.at(3).inputs.at(0).step, 1u);
+  EXPECT_EQ(read.steps.at(3).inputs.at(0).kind, ArtefactKind::kIsosurface);
+  EXPECT_EQ(read.steps.at(4).inputs.at(0).step, 1u) << "what was coarsened, not what came out of it";
+  const Plan made = plan(R"(periost: 1
+chain:
+  - {stage: read, path: a.nii}
+  - {stage: extract}
+  - {stage: mesh}
+  - {stage: coarsen}
+  - {stage: coarsen, id: other, from: {isosurface: mesh}}
+)");
+  EXPECT_EQ(made.steps.at(3).inputs.at(0).step, 1u) << "an isosurface that is made counts, however old";
+  EXPECT_EQ(made.steps.at(4).inputs.at(0).step, 2u) << "unless another surface is named";
 }
 
 TEST_F(PlanTest, PreflightSeesForecastsAndSumsMemory) {

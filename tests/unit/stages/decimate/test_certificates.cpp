@@ -228,6 +228,36 @@ TEST(RingCertificate, NeverProvesWhatSamplesRefute) {
   EXPECT_GT(refuted, 5);
 }
 
+// On the untouched mesh a ring's border is made of the isosurface's edges: nothing beyond is looked at, and
+// all inside is covered though it has corners on the border.
+TEST(RingCertificate, EndsWhereTheFansBorderIsTheIsosurfaces) {
+  const Reference reference(shapes::ellipsoid());
+  const CertifiedMesh mesh = make_certified_mesh(reference);
+  RingScratch scratch;
+  ForwardScratch forward;
+  Proposal proposal;
+  int proved = 0, covered = 0, inside = 0;
+  for (Index t = 0; t < mesh.triangles.size(); t += 7) {
+    if (!(t % 2 == 0 ? propose_swap(mesh, t, 1, proposal) : propose_removal(mesh, t, 1, proposal))) continue;
+    if (proposal.moved != kNoIndex) {
+      proposal.place = (mesh.points[proposal.moved] + mesh.points[proposal.removed]) / 2;
+      proposal.place_nearest = mesh.nearest[proposal.moved];
+    }
+    if (certify_ring(reference, mesh, proposal, 0.3, forward, scratch) != Answer::kProved) continue;
+    ++proved;
+    for (const RingScratch::Visit& visit : scratch.visits) {
+      EXPECT_TRUE(proposal.before.contains(visit.triangle)) << "at triangle " << t;
+    }
+    for (const Index s : proposal.before) {
+      ReverseProof proof;
+      ++inside;
+      covered += is_covered_by_ring(proposal, scratch, s, proof) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(proved, 100);
+  EXPECT_GT(covered, 0.8 * inside);
+}
+
 TEST(ReverseCertificate, NeverAcceptsWhatSamplesRefute) {
   const Reference reference(shapes::ellipsoid());
   CertifiedMesh mesh = make_certified_mesh(reference);

@@ -5,6 +5,9 @@
 #include <algorithm>
 
 #include "certified_shapes.h"
+#include "pipeline/base/error.h"
+#include "pipeline/geometry/isosurface_components.h"
+#include "pipeline/geometry/isosurface_of_surface.h"
 #include "pipeline/geometry/self_intersection.h"
 #include "pipeline/geometry/simplex_dual.h"
 #include "pipeline/geometry/simplex_geometry.h"
@@ -283,13 +286,58 @@ TEST(Certified, DropsSmallComponentsOnRequest) {
   DecimateOptions options;
   options.small_components = SmallComponents::kDrop;
   options.small_triangles = 60;
-  const SurfaceMesh result = decimated(isosurface, options);
+  Context context;
+  const SimplexMesh mesh = decimate(isosurface, options, context);
+  const SurfaceMesh result = dual_triangulation(mesh);
   const auto component = triangle_components(isosurface.surface.triangles, isosurface.surface.points.size());
   std::vector<int> size(examine_topology(isosurface.surface).components, 0);
   for (const auto c : component) ++size[c];
   const auto large = std::count_if(size.begin(), size.end(), [](int n) { return n >= 60; });
   ASSERT_GT(std::ptrdiff_t(size.size()), large);
   EXPECT_EQ(std::ptrdiff_t(examine_topology(result).components), large);
+  EXPECT_EQ(mesh.report.triangles_before, isosurface.surface.triangles.size());
+  EXPECT_EQ(mesh.report.dropped_below, 60u);
+
+  // What is dropped proves nothing: the result is as if it had never been there, and near what is kept.
+  Isosurface kept = isosurface;
+  keep_largest_surfaces(kept, static_cast<std::uint32_t>(large));
+  EXPECT_EQ(result.points, decimated(kept, {}).points);
+  const auto [forward, backward] = distances(result, kept);
+  EXPECT_LE(forward, 0.3 * isosurface.frame.largest_spacing());
+  EXPECT_LE(backward, 0.3 * isosurface.frame.largest_spacing());
+}
+
+TEST(Certified, ASurfaceWithoutAnImageIsItsOwnReference) {
+  const Isosurface with_voxels = shapes::ellipsoid();
+  SurfaceMesh surface = with_voxels.surface;
+  surface.voxel_mm = 0;
+  const Isosurface isosurface = isosurface_of_surface(surface);
+  EXPECT_FALSE(isosurface.has_voxels());
+  EXPECT_FALSE(isosurface.is_open);
+  DecimateOptions options;
+  options.distance = Length::mm(0.3 * with_voxels.frame.largest_spacing());
+  Context context;
+  const SimplexMesh mesh = decimate(isosurface, options, context);
+  EXPECT_GE(mesh.report.rate(), 0.85);
+  const auto [forward, backward] = distances(dual_triangulation(mesh), isosurface);
+  EXPECT_LE(forward, options.distance.value);
+  EXPECT_LE(backward, options.distance.value);
+
+  const auto refused = [&](auto&& change) {
+    DecimateOptions asked = options;
+    change(asked);
+    try {
+      decimate(isosurface, asked, context);
+      return std::string("done");
+    } catch (const Error& error) {
+      return error.code();
+    }
+  };
+  EXPECT_EQ(refused([](DecimateOptions& o) { o.distance = Length::voxel(0.3); }), "decimate.no_voxel");
+  EXPECT_EQ(refused([](DecimateOptions& o) { o.max_edge = Length::voxel(3); }), "decimate.no_voxel");
+  EXPECT_EQ(refused([](DecimateOptions& o) { o.method = DecimateMethod::kPaper; }), "decimate.no_voxel");
+  EXPECT_EQ(refused([](DecimateOptions& o) { o.pieces = 3; }), "decimate.no_voxel");
+  EXPECT_EQ(refused([](DecimateOptions& o) { o.edge_per_thickness = 1; }), "decimate.no_voxel");
 }
 
 TEST(Certified, WithoutReverseOnlyTheForwardDistanceHolds) {
