@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <numeric>
 
 #include "pipeline/base/error.h"
 #include "pipeline/base/morton.h"
+#include "pipeline/base/parallel.h"
 
 namespace periost {
 namespace {
+
+constexpr std::size_t kBlock = 8192;  // triangles of one task
 
 // spread_bits() of the places in a block.
 constexpr std::array<std::size_t, 8> kSpread{0, 1, 8, 9, 64, 65, 72, 73};
@@ -26,10 +30,16 @@ double squared_distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
   return squared_norm(p - a - e * t);
 }
 
-std::vector<Index> sorted_by(const std::vector<std::uint64_t>& codes) {
+// The numbers by ascending code, equal codes by number: blocks are sorted apart and merged in pairs.
+std::vector<Index> sorted_by(const std::vector<std::uint64_t>& codes, const Context& context) {
   std::vector<std::pair<std::uint64_t, Index>> sorted(codes.size());
   for (Index i = 0; i < codes.size(); ++i) sorted[i] = {codes[i], i};
-  std::sort(sorted.begin(), sorted.end());
+  const std::size_t half = codes.size() / 2;
+  const auto at = [&](std::size_t i) { return sorted.begin() + static_cast<std::ptrdiff_t>(i); };
+  parallel_for(context, 2, [&](std::size_t part) {
+    part == 0 ? std::sort(at(0), at(half)) : std::sort(at(half), sorted.end());
+  });
+  std::inplace_merge(sorted.begin(), at(half), sorted.end());
   std::vector<Index> order;
   order.reserve(sorted.size());
   for (const auto& [code, i] : sorted) order.push_back(i);
@@ -51,7 +61,7 @@ double squared_distance(Vec3 p, const std::array<Vec3, 3>& t) {
                    squared_distance_to_segment(p, t[2], t[0])});
 }
 
-void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count) {
+void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count, const Context& context) {
   struct HalfEdge {
     Index to, triangle;
     std::uint8_t slot;
@@ -82,41 +92,57 @@ void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_co
     }
     return found;
   };
-  for (auto& t : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      find(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
-      const HalfEdge* twin = find(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3]);
-      t.across[k] = twin ? twin->triangle : kNoIndex;
+  parallel_blocks(context, triangles.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      LinkedTriangle& t = triangles[i];
+      for (std::size_t k = 0; k < 3; ++k) {
+        find(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
+        const HalfEdge* twin = find(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3]);
+        t.across[k] = twin ? twin->triangle : kNoIndex;
+      }
     }
-  }
+  });
 }
 
-Reference::Reference(const Isosurface& isosurface, std::vector<Index>* order)
+Reference::Reference(const Isosurface& isosurface, std::vector<Index>* order, const Context& context)
     : voxel_mm(isosurface.surface.voxel_mm), frame_(isosurface.frame) {
-  renumber(isosurface.surface, order);
-  link();
+  renumber(isosurface.surface, order, context);
+  link(context);
 }
 
-void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers) {
+void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers, const Context& context) {
   const std::size_t count = surface.triangles.size();
   std::vector<std::array<std::int32_t, 3>> cell(count);
   std::array<std::int32_t, 3> lo, hi;
   lo.fill(std::numeric_limits<std::int32_t>::max());
   hi.fill(std::numeric_limits<std::int32_t>::min());
-  for (std::size_t t = 0; t < count; ++t) {
-    const auto& c = surface.triangles[t];
-    std::array<Vec3, 3> q;
-    for (std::size_t k = 0; k < 3; ++k) q[k] = frame_.to_index(surface.points[c[k]]);
-    cell[t] = cell_of((q[0] + q[1] + q[2]) / 3);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      lo[axis] = std::min(lo[axis], cell[t][axis]);
-      hi[axis] = std::max(hi[axis], cell[t][axis]);
-      for (const Vec3& corner : q) {
-        overhang_[axis] =
-            std::max({overhang_[axis], cell[t][axis] - corner[axis], corner[axis] - cell[t][axis] - 1});
+  std::mutex mutex;
+  parallel_blocks(context, count, kBlock, [&](std::size_t begin, std::size_t end) {
+    std::array<std::int32_t, 3> least, most;
+    least.fill(std::numeric_limits<std::int32_t>::max());
+    most.fill(std::numeric_limits<std::int32_t>::min());
+    Vec3 overhang;
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto& c = surface.triangles[t];
+      std::array<Vec3, 3> q;
+      for (std::size_t k = 0; k < 3; ++k) q[k] = frame_.to_index(surface.points[c[k]]);
+      cell[t] = cell_of((q[0] + q[1] + q[2]) / 3);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        least[axis] = std::min(least[axis], cell[t][axis]);
+        most[axis] = std::max(most[axis], cell[t][axis]);
+        for (const Vec3& corner : q) {
+          overhang[axis] =
+              std::max({overhang[axis], cell[t][axis] - corner[axis], corner[axis] - cell[t][axis] - 1});
+        }
       }
     }
-  }
+    const std::lock_guard lock(mutex);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lo[axis] = std::min(lo[axis], least[axis]);
+      hi[axis] = std::max(hi[axis], most[axis]);
+      overhang_[axis] = std::max(overhang_[axis], overhang[axis]);
+    }
+  });
   if (count == 0) return;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     first_cell_[axis] = lo[axis];
@@ -128,7 +154,7 @@ void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers
     const auto above = [&](std::size_t axis) { return static_cast<std::uint32_t>(cell[t][axis] - lo[axis]); };
     codes[t] = morton_code(above(0), above(1), above(2));
   }
-  const auto order = sorted_by(codes);
+  const auto order = sorted_by(codes, context);
   // Vertices in the order in which the triangles meet them.
   std::vector<Index> number(surface.points.size(), kNoIndex);
   triangles.reserve(count);
@@ -177,13 +203,15 @@ void Reference::build_blocks(const std::vector<std::uint64_t>& codes) {
   }
 }
 
-void Reference::link() {
-  link_triangles(triangles, points.size());
+void Reference::link(const Context& context) {
+  link_triangles(triangles, points.size(), context);
   normals.resize(triangles.size());
-  for (Index t = 0; t < triangles.size(); ++t) {
-    const auto c = corners(t);
-    normals[t] = normalized(cross(c[1] - c[0], c[2] - c[0]));
-  }
+  parallel_blocks(context, triangles.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto c = corners(static_cast<Index>(t));
+      normals[t] = normalized(cross(c[1] - c[0], c[2] - c[0]));
+    }
+  });
 }
 
 Reference::CellRange Reference::cells_around(Vec3 point, double radius) const {

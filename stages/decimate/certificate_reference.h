@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/base/context.h"
 #include "pipeline/data/isosurface.h"
 
 namespace periost {
@@ -26,8 +27,10 @@ class Reference {
  public:
   // Preconditions: the surface is an oriented manifold without isolated points or degenerate triangles;
   // frame.spacing is positive. O(n log n). Throws Error{kQuality} when an edge has more than two triangles.
-  // `order`, when given, receives the isosurface's own number of each triangle.
-  explicit Reference(const Isosurface& isosurface, std::vector<Index>* order = nullptr);
+  // `order`, when given, receives the isosurface's own number of each triangle. On all threads of the
+  // context.
+  explicit Reference(const Isosurface& isosurface, std::vector<Index>* order = nullptr,
+                     const Context& context = {});
 
   std::vector<Vec3> points;               // LPS mm, Morton order
   std::vector<LinkedTriangle> triangles;  // sorted by cell
@@ -62,8 +65,8 @@ class Reference {
     std::array<std::int32_t, 3> lo, hi;  // inclusive
   };
 
-  void renumber(const SurfaceMesh& surface, std::vector<Index>* numbers);
-  void link();
+  void renumber(const SurfaceMesh& surface, std::vector<Index>* numbers, const Context& context);
+  void link(const Context& context);
   void build_blocks(const std::vector<std::uint64_t>& codes);
   CellRange cells_around(Vec3 point, double radius) const;
   bool is_near(Index triangle, Vec3 point, double squared_radius) const;
@@ -80,7 +83,8 @@ class Reference {
 
 // Links triangles across their edges. Throws Error{kQuality} when an edge has more than two triangles or two
 // triangles run along it in the same direction.
-void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count);
+void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count,
+                    const Context& context = {});
 
 // Squared distance from a point to a closed triangle; exact up to rounding.
 double squared_distance(Vec3 point, const std::array<Vec3, 3>& triangle);

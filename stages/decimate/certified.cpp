@@ -38,8 +38,8 @@ constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
 // where no removal leaves good angles at once, one with a few moves after it often does. All would leave too
 // many that nothing mends.
 constexpr std::array<double, 5> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77};
-constexpr double kAim = 1.3;       // times the least angle: what mending aims at between removals
-constexpr double kLastAim = 1.15;  // likewise after the last
+constexpr double kAim = 1.3;       // times the least angle: what mending aims at before further removals
+constexpr double kLastAim = 1.15;  // likewise before the law of motion, which needs room, too
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 3;
@@ -222,16 +222,17 @@ class Schedule {
     std::size_t gone_over = 0;
     for (std::size_t round = 0; round < most; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
-      if (!is_asked && round >= kLeastRounds && gone_over > kRoundTriangles) break;
-      const double bold = round < kBoldAngle.size() ? kBoldAngle[round] : 1;
-      sweep(kTopologySlack, [bold](CertifiedState& state, Worker& worker, const VertexList& vertices) {
-        final_round(state, worker, vertices, bold);
+      gone_over += before;
+      const bool is_long = !is_asked && round + 1 >= kLeastRounds && gone_over > kRoundTriangles;
+      const bool is_last = is_long || round + 1 == most;
+      const double bold = round < kBoldAngle.size() ? kBoldAngle[round] : 1, aim = is_last ? 1 : kAim;
+      sweep(kTopologySlack, [=](CertifiedState& state, Worker& worker, const VertexList& vertices) {
+        final_round(state, worker, vertices, bold, aim);
       });
       end_step("round");
-      gone_over += before;
       const std::size_t after = living_triangles(state_.mesh);
       const double least = (is_asked ? kWorthwhileAsked : kWorthwhile) * static_cast<double>(after);
-      if (removals_left() == 0 || static_cast<double>(before - after) < least) break;
+      if (is_last || removals_left() == 0 || static_cast<double>(before - after) < least) break;
     }
   }
 
@@ -345,8 +346,9 @@ class Schedule {
     }
   }
 
-  // `bold`: the part of the least angle that removals may go down to.
-  static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices, double bold) {
+  // `bold`: the part of the least angle that removals may go down to; `aim`: what of it mending aims at.
+  static void final_round(CertifiedState& state, Worker& worker, const VertexList& vertices, double bold,
+                          double aim) {
     const double least = worker.limits.min_angle;
     worker.limits.min_angle *= bold;
     removal_pass(state, worker, vertices, std::numeric_limits<double>::max());
@@ -354,8 +356,8 @@ class Schedule {
     if (worker.quota == 0) return;  // as few triangles as asked: no room is needed for more removals
     swap_pass(state, worker, vertices);
     relocation_pass(state, worker, vertices);
-    angle_pass(state, worker, vertices, kAim * worker.limits.min_angle);
-    contour_pass(state, worker, vertices, kAim * worker.limits.min_angle);
+    angle_pass(state, worker, vertices, aim * least);
+    contour_pass(state, worker, vertices, aim * least);
   }
 
   // How many removals there may still be before the surface has no more triangles than asked.
@@ -518,7 +520,7 @@ SimplexMesh finish_certified(const SurfaceMesh& surface, const MoveCounts& count
 
 SimplexMesh decimate_certified(const Isosurface& isosurface, const DecimateOptions& options,
                                Context& context) {
-  const Reference reference(isosurface);
+  const Reference reference(isosurface, nullptr, context);
   MoveCounts counts;
   const auto decimate = [&](Watch watch) {
     CertifiedState state = make_state(reference, isosurface, options, watch, context);
