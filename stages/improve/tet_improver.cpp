@@ -172,6 +172,14 @@ void TetImprover::slide_group() {
   group_ = std::move(later);
 }
 
+double TetImprover::share_below(double limit) const {
+  std::size_t count = 0;
+  for (Index t = 0; t < complex_.corners.size(); ++t) {
+    count += complex_.is_live(t) && complex_.quality[t] < limit ? 1 : 0;
+  }
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(complex_.live, 1));
+}
+
 std::vector<TetImprover::Bad> TetImprover::worst(double limit) const {
   std::vector<Bad> result;
   for (Index t = 0; t < complex_.corners.size(); ++t) {

@@ -39,6 +39,9 @@ class TetImprover {
   // gains and a wider search for places on the boundary.
   void rescue(double limit);
 
+  // The share of tetrahedra below `limit`.
+  double share_below(double limit) const;
+
   // By how many tetrahedra the mesh may still grow.
   std::size_t room() const { return most_ > complex_.live ? most_ - complex_.live : 0; }
 
