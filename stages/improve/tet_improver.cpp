@@ -207,13 +207,16 @@ std::vector<Index> TetImprover::points_around(Index tet) const {
 }
 
 void TetImprover::rescue(Index tet, double limit) {
-  const std::vector<Index> points = points_around(tet);
+  std::vector<Index> points = points_around(tet);
   const Tetrahedron corners = complex_.corners[tet];
   const auto is_corner = [&](Index point) {
     return std::find(corners.begin(), corners.end(), point) != corners.end();
   };
+  // Its own points first, which may be enough.
+  std::stable_partition(points.begin(), points.end(), is_corner);
   round_ = {kRescueTarget, true, 0, true, kRescueGain};
   for (const Index point : points) {
+    if (complex_.quality[tet] >= limit) break;
     if (complex_.is_on_wall[point] == 0) {
       smoothing_.smooth(point, kRescueTarget);
     } else if (slide_ != nullptr &&
