@@ -22,14 +22,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Degrees: rounds without new points go to here, and so does sliding, whose checks are dear.
+// Degrees: rounds without new points go to here, and so does sliding, whose checks are dear. The first slides
+// leave a little more to new points, which cost less.
 constexpr double kFirstTarget = 26;
+constexpr double kFirstSlideTarget = 25;
+// Where more than this share of tetrahedra ends below the limit, those below the target may slide, too.
+constexpr double kWideShare = 0.01;
+constexpr double kWideLimit = 28.5;
+constexpr double kWideTarget = 29;
 constexpr double kRescueLimit = 22;  // degrees: what is left below it is worth more time
 // Least rise of the smallest sine for each tetrahedron that a new point brings, first and later.
-constexpr double kFirstPrice = 0.006;
-constexpr double kLaterPrice = 0.004;
+constexpr double kFirstPrice = 0.008;
+constexpr double kLaterPrice = 0.003;
 // Least rise of the smallest sine by a move of a boundary point, first and later.
-constexpr double kFirstGain = 0.03;
+constexpr double kFirstGain = 0.04;
 constexpr double kLaterGain = 0.02;
 
 double sine_of(double degrees) {
@@ -205,10 +211,13 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
                                                std::chrono::duration<double>(Clock::now() - start).count()));
   };
   work("without new points", {first, false, 0, false, 0});
-  work("with sliding", {first, false, 0, true, kFirstGain});
+  work("with sliding", {std::min(target, sine_of(kFirstSlideTarget)), false, 0, true, kFirstGain});
   work("with insertion", {target, true, kFirstPrice, false, 0});
   work("with all means", {first, true, 0, true, kLaterGain});
   work("with insertion", {target, true, kLaterPrice, false, 0});
+  if (slide != nullptr && improver.share_below(std::min(target, sine_of(kWideLimit))) > kWideShare) {
+    work("with sliding of more", {std::min(target, sine_of(kWideTarget)), false, 0, true, kLaterGain});
+  }
   improver.rescue(std::min(target, sine_of(kRescueLimit)));
   if (options.split_thin) {
     const std::size_t splits = split_thin_walls(complex, improver.room());

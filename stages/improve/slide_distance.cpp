@@ -244,6 +244,7 @@ void SlideDistance::gather() {
 bool SlideDistance::is_covered(const std::vector<SlidePatch>& moved, const std::vector<SlidePatch>& rest) {
   if (!is_gathered_) gather();
   moved_.assign(moved);
+  last_cover_ = nullptr;
   if (!has_rest_) rest_.assign(rest);
   has_rest_ = true;
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
@@ -260,6 +261,7 @@ bool SlideDistance::is_covered(const std::vector<SlidePatch>& moved, const std::
 bool SlideDistance::is_uncovered_again(const std::vector<SlidePatch>& moved) {
   if (!has_rest_ || uncovered_ == 0) return false;
   moved_.assign(moved);
+  last_cover_ = nullptr;
   for (std::size_t i = 0; i < uncovered_; ++i) {
     if (!is_covered(triangles_[i])) return true;
   }
@@ -268,6 +270,8 @@ bool SlideDistance::is_uncovered_again(const std::vector<SlidePatch>& moved) {
 
 bool SlideDistance::is_covered(const NearTriangle& triangle) {
   if (covers(moved_.facet[triangle.near_star], triangle.patch, limit_)) return true;
+  // Triangles of the reference come in the order of its cells: what covers one is likely to cover the next.
+  if (last_cover_ != nullptr && covers(*last_cover_, triangle.patch, limit_)) return true;
   const Vec3 middle = centre(triangle.patch);
   const double reach = limit_ + radius_about(middle, triangle.patch);
   candidates_.clear();
@@ -287,6 +291,7 @@ bool SlideDistance::is_part_covered(const SlidePatch& part, const SlideFacet* hi
   double least = kInfinity;
   const SlideFacet* nearest = nullptr;
   for (std::size_t i = first; i < last; ++i) {
+    if (!candidates_[i]->is_near_plane(middle, reach)) continue;
     const double squared = candidates_[i]->squared_distance(middle);
     if (!(squared <= reach)) continue;
     candidates_.push_back(candidates_[i]);
@@ -296,9 +301,13 @@ bool SlideDistance::is_part_covered(const SlidePatch& part, const SlideFacet* hi
   }
   const std::size_t end = candidates_.size();
   if (std::sqrt(least) + radius <= limit_) return true;
-  if (nearest != nullptr && covers(*nearest, part, limit_)) return true;
+  if (nearest != nullptr && covers(*nearest, part, limit_)) {
+    last_cover_ = nearest;
+    return true;
+  }
   double nearest_old = reach;
-  if (nearest_patch(star_, middle, nearest_old) == kNoTriangle) return true;
+  // Whole triangles have been found near to the star.
+  if (depth > 0 && nearest_patch(star_, middle, nearest_old) == kNoTriangle) return true;
   if (depth == kDeepestPatch) return false;
   const std::array<SlidePatch, 4> parts = quarters(part);
   return std::all_of(parts.begin(), parts.end(), [&](const SlidePatch& quarter) {

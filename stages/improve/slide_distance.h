@@ -47,6 +47,11 @@ struct SlideFacet {
   explicit SlideFacet(const SlidePatch& corners);
   // From a point to the nearest of the triangle; NaN may come of a degenerate one.
   double squared_distance(Vec3 p) const;
+  // Whether its plane is no farther than that; if not, the triangle is not, either.
+  bool is_near_plane(Vec3 p, double squared) const {
+    const double height = dot(normal, p - a);
+    return !(height * height * per_normal > squared);
+  }
 
   Vec3 a, ab, ac, normal;
   double ab_ab = 0, ab_ac = 0, ac_ac = 0;
@@ -102,9 +107,8 @@ class SlideDistance {
   std::optional<Vec3> offence_;  // weights of its corners
   bool is_gathered_ = false;
   std::vector<Index> near_;
-  std::vector<NearTriangle> triangles_;
-  std::size_t uncovered_ =
-      0;  // the first of them, which some move left uncovered  // those that the star may be near to
+  std::vector<NearTriangle> triangles_;  // those that the star may be near to
+  std::size_t uncovered_ = 0;            // the first of them, which some move left uncovered
   bool has_rest_ = false;
   BoxedPatches rest_;
   struct Part {  // a quarter of a moved triangle
@@ -114,6 +118,7 @@ class SlideDistance {
   };
   std::vector<Part> parts_;
   std::vector<const SlideFacet*> candidates_;  // a stack of lists
+  const SlideFacet* last_cover_ = nullptr;     // what covered a part of the reference last
 };
 
 }  // namespace periost

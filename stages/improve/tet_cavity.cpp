@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kLargestCavity = 60;
 constexpr int kClimbs = 3;
 constexpr double kBetter = 1.02;
-constexpr double kHopeless = 0.5;  // share of the bad sine that the first cavity must reach to go on
+constexpr double kHopeless = 0.7;  // share of the bad sine that the first cavity must reach to go on
 
 }  // namespace
 
@@ -139,12 +139,6 @@ bool TetCavity::find(Index tet, double target, std::size_t room, double price) {
   for (const auto& [i, j] : kTetEdge) {
     if (!complex_.ring(tet, c[as_size(i)], c[as_size(j)], kLargestCavity / 2, seed_, points_)) continue;
     if (try_place(0.5 * (place(i) + place(j)), seed_, bad, target, room)) return true;
-  }
-  for (int side = 0; side < 4; ++side) {
-    const Index other = complex_.neighbours[tet][as_size(side)];
-    if (other == kNoIndex) continue;
-    const auto [x, y, z] = kTetFace[as_size(side)];
-    if (try_place((place(x) + place(y) + place(z)) / 3, {tet, other}, bad, target, room)) return true;
   }
   return false;
 }

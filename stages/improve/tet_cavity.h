@@ -13,13 +13,12 @@ class TetCavity {
  public:
   explicit TetCavity(TetComplex& complex) : complex_(complex) {}
 
-  // Tries places inside the tetrahedron: its centroid, the middles of its edges, then the centroids of its
-  // faces. From each a cavity grows through the face whose new tetrahedron would be worst, as long as that is
-  // not on a wall, up to 60 tetrahedra, and is cut back to where it was best; then the point climbs
-  // (sine_quality.h) and the cavity is grown anew, up to three times. The first that is better than what it
-  // replaces by 2 % is kept for make(). `room`: by how many tetrahedra the mesh may grow; `price`: by how
-  // much the smallest sine must rise for each tetrahedron more. Changes nothing, so several may search side
-  // by side.
+  // Tries places inside the tetrahedron: its centroid, then the middles of its edges. From each a cavity
+  // grows through the face whose new tetrahedron would be worst, as long as that is not on a wall, up to 60
+  // tetrahedra, and is cut back to where it was best; then the point climbs (sine_quality.h) and the cavity
+  // is grown anew, up to three times. The first that is better than what it replaces by 2 % is kept for
+  // make(). `room`: by how many tetrahedra the mesh may grow; `price`: by how much the smallest sine must
+  // rise for each tetrahedron more. Changes nothing, so several may search side by side.
   bool find(Index tet, double target, std::size_t room, double price);
 
   // Whether all tetrahedra of the cavity found are as they were then, and how many more there will be.

@@ -172,6 +172,14 @@ void TetImprover::slide_group() {
   group_ = std::move(later);
 }
 
+double TetImprover::share_below(double limit) const {
+  std::size_t count = 0;
+  for (Index t = 0; t < complex_.corners.size(); ++t) {
+    count += complex_.is_live(t) && complex_.quality[t] < limit ? 1 : 0;
+  }
+  return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(complex_.live, 1));
+}
+
 std::vector<TetImprover::Bad> TetImprover::worst(double limit) const {
   std::vector<Bad> result;
   for (Index t = 0; t < complex_.corners.size(); ++t) {
@@ -199,13 +207,16 @@ std::vector<Index> TetImprover::points_around(Index tet) const {
 }
 
 void TetImprover::rescue(Index tet, double limit) {
-  const std::vector<Index> points = points_around(tet);
+  std::vector<Index> points = points_around(tet);
   const Tetrahedron corners = complex_.corners[tet];
   const auto is_corner = [&](Index point) {
     return std::find(corners.begin(), corners.end(), point) != corners.end();
   };
+  // Its own points first, which may be enough.
+  std::stable_partition(points.begin(), points.end(), is_corner);
   round_ = {kRescueTarget, true, 0, true, kRescueGain};
   for (const Index point : points) {
+    if (complex_.quality[tet] >= limit) break;
     if (complex_.is_on_wall[point] == 0) {
       smoothing_.smooth(point, kRescueTarget);
     } else if (slide_ != nullptr &&

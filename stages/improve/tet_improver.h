@@ -35,9 +35,12 @@ class TetImprover {
   // put in one after the other, where what was found is still there.
   void round(const ImproveRound& round);
 
-  // For the few tetrahedra that are left below `limit`: all means for all that is around them, with small
-  // gains and a wider search for places on the boundary.
+  // For the few tetrahedra that are left below `limit`: all means, with small gains and a wider search for
+  // places on the boundary, for their own points and, until they reach the limit, for all that is around.
   void rescue(double limit);
+
+  // The share of tetrahedra below `limit`.
+  double share_below(double limit) const;
 
   // By how many tetrahedra the mesh may still grow.
   std::size_t room() const { return most_ > complex_.live ? most_ - complex_.live : 0; }

@@ -112,6 +112,18 @@ inline Dihedrals dihedrals(const TetMesh& mesh) {
   return all;
 }
 
+// The smallest dihedral angle that 1 % of tetrahedra are below, in degrees.
+inline double first_percentile(const TetMesh& mesh) {
+  std::vector<double> least;
+  for (const Tetrahedron& t : mesh.tets) {
+    least.push_back(
+        tet_dihedral_range({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]})
+            .min_deg);
+  }
+  std::sort(least.begin(), least.end());
+  return least[least.size() / 100];
+}
+
 // Boundary triangles, each with its smallest corner first, sorted.
 inline std::vector<Triangle> sorted_boundary(const std::vector<Triangle>& triangles) {
   std::vector<Triangle> sorted = triangles;

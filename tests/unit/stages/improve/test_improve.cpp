@@ -118,6 +118,18 @@ TEST(Improve, SlidingKeepsTheSurfaceWithinItsLimits) {
   }
 }
 
+TEST(Improve, OnePercentDoesNotStayShortWhereTheBoundaryHasRoom) {
+  const SurfaceMesh surface = shell();
+  const TetMesh mesh = tetrahedralize(surface, {}, test::worker_context());
+  ImproveOptions options;
+  options.tolerance = Length::mm(0.16);
+  const ImproveResult result = improve(mesh, {nullptr, nullptr, &surface}, options, {});
+  expect_sound(result.mesh);
+  EXPECT_LT(test::first_percentile(mesh), 20);
+  EXPECT_GT(test::first_percentile(result.mesh), 28.5);
+  EXPECT_LE(two_sided_distance(result.surface, surface, {}, {}).forward.summary.max, 0.16);
+}
+
 TEST(Improve, TheWallOfAFilledCavityStaysInTheSurface) {
   const SurfaceMesh surface = shell();
   TetgenOptions tetgen;
