@@ -70,13 +70,14 @@ struct VolumeQuality {
 // How one mesh bears the load case of pipeline/mechanics/stretch.h.
 struct StretchQuality {
   double stiffness_n_per_mm = 0, energy_n_mm = 0, p95_von_mises_mpa = 0;
-  std::uint64_t tets = 0, nodes = 0, cg_iterations = 0;  // at second order
+  std::uint64_t tets = 0, nodes = 0, cg_iterations = 0;  // nodes: mid-side ones included
 };
 
 // The same load case on the mesh and on one of the undecimated surface.
 struct ReferenceQuality {
   double stiffness = 0, energy = 0, p95_von_mises = 0;  // (mesh's - fine's) / fine's, signed
-  std::string axis;                                     // "x", "y" or "z" of LPS
+  int order = 2;     // of the elements of both; at 1 no gate judges the three above
+  std::string axis;  // "x", "y" or "z" of LPS
   StretchQuality mesh, fine;
 };
 

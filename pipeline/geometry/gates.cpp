@@ -121,6 +121,7 @@ void apply_gates(QualityReport& report, const WorstElements& worst, Preset prese
     PERIOST_ASSERT(metric != nullptr);
     const std::optional<double> value = metric->value(report);
     if (!value || (!limits.limit && !limits.warn)) return;
+    if (metric->is_gated && !metric->is_gated(report)) return;
     if (is_preset_row && is_in_mm && metric->unit == "voxel") return;
     const double judged = metric->by_magnitude ? std::abs(*value) : *value;
     GateResult gate{path,

@@ -21,6 +21,8 @@ struct Metric {
   // The number as it stands in quality.json, true as 1; empty when it was not measured.
   std::function<std::optional<double>(const QualityReport&)> value;
   bool by_magnitude = false;  // a gate looks at the absolute value
+  // Whether gates look at it in this report; none: always.
+  std::function<bool(const QualityReport&)> is_gated{};
 };
 
 // Every metric, in the order of quality.json.
@@ -52,7 +54,8 @@ struct PresetRow {
 const std::vector<PresetRow>& preset_rows();
 
 // Judges a report: rows of the preset, replaced by those of `overrides`, further overrides behind them. Rows
-// on metrics that were not measured are left out, as are preset rows in voxels where distances are in mm.
+// on metrics that were not measured or are not gated in this report (Metric::is_gated) are left out, as are
+// preset rows in voxels where distances are in mm.
 // Every result carries the worst elements that `worst` knows. Sets report.preset, gates and verdict.
 // Precondition: every overridden path is a metric.
 void apply_gates(QualityReport& report, const WorstElements& worst, Preset preset,

@@ -42,10 +42,17 @@ std::function<Value(const QualityReport&)> in_mechanics(Member MechanicsQuality:
     return r.mechanics ? Value(static_cast<double>((*r.mechanics).*member)) : Value();
   };
 }
-std::function<Value(const QualityReport&)> in_reference(double ReferenceQuality::*member) {
+template <class Member>
+std::function<Value(const QualityReport&)> in_reference(Member ReferenceQuality::*member) {
   return [member](const QualityReport& r) {
-    return r.mechanics && r.mechanics->reference ? Value((*r.mechanics->reference).*member) : Value();
+    return r.mechanics && r.mechanics->reference
+               ? Value(static_cast<double>((*r.mechanics->reference).*member))
+               : Value();
   };
+}
+// Linear tetrahedra show their own stiffness beside the body's.
+bool is_reference_of_second_order(const QualityReport& r) {
+  return r.mechanics && r.mechanics->reference && r.mechanics->reference->order == 2;
 }
 std::function<Value(const QualityReport&)> in_distance(Value (*get)(const SurfaceDistance&)) {
   return [get](const QualityReport& r) {
@@ -233,13 +240,16 @@ void add_mechanics(std::vector<Metric>& t) {
   using R = ReferenceQuality;
   t.push_back({"mechanics.reference.stiffness", "", "<=",
                "Stiffness when stretched, (mesh's - fine's) / fine's; a gate looks at its absolute value.",
-               in_reference(&R::stiffness), true});
+               in_reference(&R::stiffness), true, is_reference_of_second_order});
   t.push_back({"mechanics.reference.energy", "",
                "<=", "Strain energy when stretched, (mesh's - fine's) / fine's, likewise.",
-               in_reference(&R::energy), true});
+               in_reference(&R::energy), true, is_reference_of_second_order});
   t.push_back({"mechanics.reference.p95_von_mises", "", "<=",
                "95th percentile of the von Mises stress by volume, (mesh's - fine's) / fine's, likewise.",
-               in_reference(&R::p95_von_mises), true});
+               in_reference(&R::p95_von_mises), true, is_reference_of_second_order});
+  t.push_back({"mechanics.reference.order", "", "==",
+               "1 or 2: order of both meshes' elements when stretched; at 1 no gate judges the three above.",
+               in_reference(&R::order)});
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace periost {
 namespace {
 
 constexpr std::array<char, 8> kMagic{'P', 'E', 'R', 'I', 'O', 'A', 'R', 'T'};
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 constexpr std::size_t kHashDigits = 32;
 constexpr std::size_t kHeaderBytes = kMagic.size() + 4 + 4 + 8;
 
@@ -253,8 +253,8 @@ void walk(W& w, T& q) {
 
 template <class W, Same<ReferenceQuality> T>
 void walk(W& w, T& q) {
-  auto& [stiffness, energy, p95_von_mises, axis, mesh, fine] = q;
-  members(w, stiffness, energy, p95_von_mises, axis, mesh, fine);
+  auto& [stiffness, energy, p95_von_mises, order, axis, mesh, fine] = q;
+  members(w, stiffness, energy, p95_von_mises, order, axis, mesh, fine);
 }
 
 template <class W, Same<MechanicsQuality> T>

@@ -121,9 +121,9 @@ Json json_of(const MechanicsQuality& q) {
             {"cg_iterations", q.cg_iterations},       {"cg_ratio", q.cg_ratio}};
   if (q.reference) {
     const ReferenceQuality& r = *q.reference;
-    json["reference"] = {{"stiffness", r.stiffness},         {"energy", r.energy},
-                         {"p95_von_mises", r.p95_von_mises}, {"axis", r.axis},
-                         {"mesh", json_of(r.mesh)},          {"fine", json_of(r.fine)}};
+    json["reference"] = {{"stiffness", r.stiffness}, {"energy", r.energy}, {"p95_von_mises", r.p95_von_mises},
+                         {"order", r.order},         {"axis", r.axis},     {"mesh", json_of(r.mesh)},
+                         {"fine", json_of(r.fine)}};
   }
   return json;
 }

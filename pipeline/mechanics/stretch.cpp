@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "pipeline/base/parallel.h"
 #include "pipeline/geometry/distribution.h"
@@ -15,13 +16,13 @@ namespace {
 constexpr std::size_t kTetsPerTask = 4096;
 constexpr double kTolerance = 1e-6;
 
-// The bodies of `mesh` that reach both ends at half their thickness, as a mesh of second order.
+// The bodies of `mesh` that reach both ends at half their thickness, as a mesh of the order asked for.
 struct Spanning {
   TetMesh mesh;
   std::size_t bodies = 0, left_out = 0;
 };
 
-Spanning spanning_bodies(const TetMesh& mesh, const StretchFrame& frame) {
+Spanning spanning_bodies(const TetMesh& mesh, const StretchFrame& frame, int order) {
   const auto component = tet_components(tet_neighbours(mesh.tets, mesh.points.size()));
   const std::size_t count = component.empty() ? 0 : 1 + *std::max_element(component.begin(), component.end());
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -43,21 +44,25 @@ Spanning spanning_bodies(const TetMesh& mesh, const StretchFrame& frame) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     if (!spans[component[t]]) continue;
     result.mesh.tets.push_back(mesh.tets[t]);
-    if (mesh.order() == 2) result.mesh.midside.push_back(mesh.midside[t]);
+    if (mesh.order() == 2 && order == 2) result.mesh.midside.push_back(mesh.midside[t]);
   }
-  if (result.mesh.order() == 1) add_midside_nodes(result.mesh);
+  if (result.mesh.order() < order) add_midside_nodes(result.mesh);
   return result;
 }
 
 // A point at which the bed is integrated: four a tetrahedron, of degree 2, on its corners alone.
 struct BedPoint {
-  std::array<double, 10> shape;  // values of the ten shape functions
+  std::array<double, 10> shape;  // values of the shape functions: four at first order, ten at second
   double spring = 0;             // N/mm
   bool is_above = false;
 };
 
-std::array<double, 10> shape_values(const std::array<double, 4>& l) {
+std::array<double, 10> shape_values(const std::array<double, 4>& l, int order) {
   std::array<double, 10> value{};
+  if (order == 1) {
+    std::copy(l.begin(), l.end(), value.begin());
+    return value;
+  }
   for (std::size_t i = 0; i < 4; ++i) value[i] = l[i] * (2 * l[i] - 1);
   for (std::size_t e = 0; e < 6; ++e) {
     value[4 + e] =
@@ -86,7 +91,7 @@ std::array<BedPoint, 4> bed_points(const TetMesh& mesh, std::size_t tet, const S
       l[k] = k == p ? near : far;
       place += l[k] * mesh.points[mesh.tets[tet][k]][frame.axis];
     }
-    points[p] = {shape_values(l), 0.25 * volume * bed_at(place, frame, young),
+    points[p] = {shape_values(l, mesh.order()), 0.25 * volume * bed_at(place, frame, young),
                  place > 0.5 * (frame.low + frame.high)};
   }
   return points;
@@ -108,12 +113,13 @@ std::vector<std::size_t> bedded_tets(const TetMesh& mesh, const StretchFrame& fr
 // Adds the springs to the matrix and the pull of the bed above to the loads.
 void add_beds(const TetMesh& mesh, const std::vector<std::size_t>& bedded, const StretchFrame& frame,
               double young, Stiffness& stiffness, LoadCase& load_case) {
+  const std::size_t nodes = nodes_per_tet(mesh);
   for (const std::size_t t : bedded) {
     for (const BedPoint& point : bed_points(mesh, t, frame, young)) {
       if (point.spring == 0) continue;
-      for (std::size_t i = 0; i < 10; ++i) {
+      for (std::size_t i = 0; i < nodes; ++i) {
         const Index row = tet_node(mesh, t, i);
-        for (std::size_t j = 0; j < 10; ++j) {
+        for (std::size_t j = 0; j < nodes; ++j) {
           Block& block = stiffness.blocks[stiffness.find(row, tet_node(mesh, t, j))];
           for (std::size_t a = 0; a < 3; ++a) block[4 * a] += point.spring * point.shape[i] * point.shape[j];
         }
@@ -133,11 +139,12 @@ struct BedForces {
 
 BedForces bed_forces(const TetMesh& mesh, const std::vector<std::size_t>& bedded, const StretchFrame& frame,
                      double young, const std::vector<Vec3>& displacement) {
+  const std::size_t nodes = nodes_per_tet(mesh);
   BedForces forces;
   for (const std::size_t t : bedded) {
     for (const BedPoint& point : bed_points(mesh, t, frame, young)) {
       double moved = 0;
-      for (std::size_t k = 0; k < 10; ++k) {
+      for (std::size_t k = 0; k < nodes; ++k) {
         moved += point.shape[k] * displacement[tet_node(mesh, t, k)][frame.axis];
       }
       const double ground = point.is_above ? frame.displacement() : 0;
@@ -168,11 +175,11 @@ void measure_stress(const TetMesh& mesh, const StretchFrame& frame, const Materi
       const ElementShape shape = element_shape(mesh, t);
       std::array<Vec3, 10> moved;
       double place = 0;
-      for (std::size_t k = 0; k < 10; ++k) moved[k] = displacement[tet_node(mesh, t, k)];
+      for (std::size_t k = 0; k < shape.nodes; ++k) moved[k] = displacement[tet_node(mesh, t, k)];
       for (const Index corner : mesh.tets[t]) place += 0.25 * mesh.points[corner][frame.axis];
       const double share = (place - frame.low) / frame.length();
       for (std::size_t p = 0; p < shape.points; ++p) {
-        const Stress stress = stress_at(shape.at[p], lame, moved);
+        const Stress stress = stress_at(shape.at[p], lame, std::span(moved).first(shape.nodes));
         energy[task] += shape.at[p].volume * energy_density(stress, material);
         if (share > 0.2 && share < 0.8) stresses[task].push_back({von_mises(stress), shape.at[p].volume});
       }
@@ -205,13 +212,13 @@ StretchFrame stretch_frame(const TetMesh& mesh) {
   return {axis, low[axis], high[axis]};
 }
 
-std::size_t stretch_bytes(const TetMesh& mesh) {
-  return 4000 * mesh.tets.size();
+std::size_t stretch_bytes(const TetMesh& mesh, int order) {
+  return (order == 1 ? 600 : 4000) * mesh.tets.size();
 }
 
 std::optional<Stretch> stretch(const TetMesh& mesh, const StretchFrame& frame, const Material& material,
-                               const Context& context) {
-  const Spanning body = spanning_bodies(mesh, frame);
+                               int order, const Context& context) {
+  const Spanning body = spanning_bodies(mesh, frame, order);
   if (body.bodies == 0) return std::nullopt;
   Stiffness stiffness = assemble_stiffness(body.mesh, material, context);
   const std::vector<std::size_t> bedded = bedded_tets(body.mesh, frame);

@@ -36,22 +36,23 @@ struct Stretch {
   double energy = 0;                // N mm: strain energy of the body, without the beds'
   double p95_von_mises = 0;         // MPa: 95 % of the volume between 20 % and 80 % of the length has less
   double imbalance = 0;             // of the two beds' forces, as a share: what the solver left over
-  std::size_t tets = 0, nodes = 0;  // of the stretched bodies, at second order
+  std::size_t tets = 0, nodes = 0;  // of the stretched bodies, mid-side nodes included
   std::size_t bodies = 0;           // that reach from half of one end to half of the other
   std::size_t left_out = 0;         // bodies that do not
   std::size_t iterations = 0;       // of conjugate gradients
   bool has_converged = false;
 };
 
-// Bytes that stretch takes for a mesh, most of them the matrix's.
-std::size_t stretch_bytes(const TetMesh& mesh);
+// Bytes that stretch takes for a mesh at an order, 1 or 2, most of them the matrix's.
+std::size_t stretch_bytes(const TetMesh& mesh, int order);
 
-// Stretches the bodies (joined across faces) that span the frame; empty where none does. A mesh of first
-// order is raised to second with straight edges: linear tetrahedra would measure their own stiffness. von
-// Mises stress is taken at the integration points, each with its share of the volume. Conjugate gradients to
-// 1e-7 of the residual. The same bits for any number of threads. Precondition: no element folds
-// (folded_tets).
+// Stretches the bodies (joined across faces) that span the frame; empty where none does. Whatever the order
+// of the mesh, elements have the order asked for: 2 raises a mesh of first order with straight edges, 1
+// leaves mid-side nodes out. Linear tetrahedra are too stiff in bending, the more so the larger they are, so
+// at order 1 only meshes of about equal element size compare. von Mises stress is taken at the integration
+// points, each with its share of the volume. Conjugate gradients to 1e-6 of the residual. The same bits for
+// any number of threads. Preconditions: `order` is 1 or 2; no element folds (folded_tets).
 std::optional<Stretch> stretch(const TetMesh& mesh, const StretchFrame& frame, const Material& material,
-                               const Context& context);
+                               int order, const Context& context);
 
 }  // namespace periost

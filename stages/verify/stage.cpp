@@ -17,7 +17,8 @@ std::vector<Choice<MechanicsCheck>> choices_of(MechanicsCheck) {
       {MechanicsCheck::kNone, "none", "Not measured."},
       {MechanicsCheck::kBasic, "basic", "Patch test, motions without energy, conditioning."},
       {MechanicsCheck::kReference, "reference",
-       "These, and stiffness, energy and stress under a load compared with the mesh `reference`."}};
+       "These, and stiffness, energy and stress under a load compared with the mesh `reference`; at "
+       "first order and without a gate where second order does not fit."}};
 }
 
 static void declare_params(ParamTable<GateLimits>& table) {
@@ -33,7 +34,7 @@ namespace {
 class VerifyStage final : public StageOf<VerifyOptions> {
  public:
   void declare(Declaration<VerifyOptions>& d) const override {
-    d.stage("verify", 3, "Measures surface and volume mesh and judges them by quality gates.")
+    d.stage("verify", 4, "Measures surface and volume mesh and judges them by quality gates.")
         .optional_input<Isosurface>("isosurface", "What distances and volumes are compared with.")
         .optional_input<SimplexMesh>("simplex_mesh",
                                      "The decimated model, for its report and the distance asked.")

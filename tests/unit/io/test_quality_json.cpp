@@ -73,7 +73,7 @@ QualityReport full_report() {
   m.condition_ratio = next += 0.1;
   m.cg_iterations = 15;
   m.cg_ratio = next += 0.1;
-  m.reference = ReferenceQuality{-1.0 / 7, 1.0 / 9, -1.0 / 11, "z", {1.5, 2.5, 3.5, 16, 17, 18}, {}};
+  m.reference = ReferenceQuality{-1.0 / 7, 1.0 / 9, -1.0 / 11, 1, "z", {1.5, 2.5, 3.5, 16, 17, 18}, {}};
   return report;
 }
 

@@ -107,6 +107,8 @@ TEST_F(VerifyHints, WithoutADecimatedModelTheMesherIsAsked) {
 TEST_F(VerifyHints, WhatNoParameterMendsGivesNone) {
   EXPECT_TRUE(make_hints(failing("surface.manifold", "==", 1, 0), inputs).hints.empty());
   EXPECT_TRUE(make_hints(failing("volume.tets", "<=", 10, 20), inputs).hints.empty());
+  EXPECT_TRUE(make_hints(failing("mechanics.reference.order", "==", 2, 1), inputs).hints.empty());
+  EXPECT_FALSE(make_hints(failing("mechanics.reference.energy", "<=", 0.02, 0.03), inputs).hints.empty());
   EXPECT_TRUE(make_hints(failing("volume.min_dihedral_deg.p50", ">=", 60, 50), inputs).hints.empty());
   QualityReport warned = slivers;
   warned.gates[0].status = Verdict::kWarn;

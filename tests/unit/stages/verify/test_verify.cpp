@@ -154,18 +154,77 @@ TEST(Verify, ComparesWithTheReferenceUnderALoad) {
   EXPECT_EQ(gate(bad, "mechanics.reference.energy"), Verdict::kFail);
 }
 
-TEST(Verify, LeavesTheReferenceOutWhereItDoesNotFitAndSaysSo) {
-  const TetMesh mesh = test::box_mesh({.cells = {2, 2, 6}});
-  VerifyOptions options;
-  options.mechanics = MechanicsCheck::kReference;
-  Context context;
-  context.memory_bytes = stretch_bytes(mesh);
-  std::vector<std::string> codes;
-  context.sink = [&](const Event& event) { codes.push_back(event.code); };
-  const QualityReport report = verify({nullptr, nullptr, nullptr, &mesh, &mesh}, options, context);
-  ASSERT_TRUE(report.mechanics.has_value());
-  EXPECT_FALSE(report.mechanics->reference.has_value());
-  EXPECT_NE(std::find(codes.begin(), codes.end(), "mechanics.too_large"), codes.end());
+// The bar against a thicker one with a budget that lacks a byte for the second order of the finer mesh.
+class VerifyAtFirstOrder : public testing::Test {
+ protected:
+  QualityReport report(const GateOverrides& gates = {}) {
+    VerifyOptions options;
+    options.preset = Preset::kLenient;
+    options.mechanics = MechanicsCheck::kReference;
+    options.gates = gates;
+    return verify({nullptr, nullptr, nullptr, &mesh_, &thicker_}, options, context_);
+  }
+  void allow(std::size_t bytes) { context_.memory_bytes = 2 * bytes; }
+  // How often a code was logged.
+  std::size_t logged(const std::string& code) const {
+    return static_cast<std::size_t>(std::count(codes_.begin(), codes_.end(), code));
+  }
+
+  const TetMesh mesh_ = test::box_mesh({.cell = {1, 1, 2}, .cells = {4, 4, 21}});
+  const TetMesh thicker_ = test::box_mesh({.cell = {1, 1, 2}, .cells = {5, 4, 21}});
+  Context context_;
+
+ private:
+  void SetUp() override {
+    context_.sink = [this](const Event& event) { codes_.push_back(event.code); };
+  }
+  std::vector<std::string> codes_;
+};
+
+std::size_t gates_on_reference(const QualityReport& report) {
+  return static_cast<std::size_t>(std::count_if(
+      report.gates.begin(), report.gates.end(),
+      [](const GateResult& gate) { return gate.metric.rfind("mechanics.reference.", 0) == 0; }));
+}
+
+TEST_F(VerifyAtFirstOrder, IsWhatTheSecondOrderIsNotWhereThatFits) {
+  allow(stretch_bytes(thicker_, 2));
+  const QualityReport second = report();
+  ASSERT_TRUE(second.mechanics && second.mechanics->reference);
+  EXPECT_EQ(second.mechanics->reference->order, 2);
+  EXPECT_EQ(gates_on_reference(second), 3U);
+  EXPECT_EQ(second.verdict, Verdict::kFail) << "a fifth of the width is missing";
+  EXPECT_EQ(logged("mechanics.first_order"), 0U);
+}
+
+TEST_F(VerifyAtFirstOrder, ComparesBothMeshesWithoutAGateAndSaysSo) {
+  allow(stretch_bytes(thicker_, 2) - 1);
+  ASSERT_LE(stretch_bytes(mesh_, 2), stretch_bytes(thicker_, 2) - 1) << "the smaller mesh alone would fit";
+  const QualityReport first = report({{"mechanics.reference.energy", {0.001, std::nullopt}}});
+  ASSERT_TRUE(first.mechanics && first.mechanics->reference);
+  const ReferenceQuality& reference = *first.mechanics->reference;
+  EXPECT_EQ(reference.order, 1);
+  EXPECT_NEAR(reference.stiffness, 4.0 / 5 - 1, 0.01) << "elements of one size compare fairly";
+  EXPECT_NEAR(reference.energy, 4.0 / 5 - 1, 0.01);
+  EXPECT_EQ(reference.mesh.nodes, mesh_.points.size());
+  EXPECT_EQ(reference.fine.nodes, thicker_.points.size());
+  EXPECT_EQ(gates_on_reference(first), 0U) << "not even the one asked for";
+  EXPECT_EQ(first.verdict, Verdict::kPass);
+  EXPECT_EQ(logged("mechanics.first_order"), 1U);
+}
+
+TEST_F(VerifyAtFirstOrder, FailsAGateOnTheOrder) {
+  allow(stretch_bytes(thicker_, 2) - 1);
+  EXPECT_EQ(report({{"mechanics.reference.order", {2, std::nullopt}}}).verdict, Verdict::kFail);
+}
+
+TEST_F(VerifyAtFirstOrder, LeavesOutWhatDoesNotFitThereEither) {
+  allow(stretch_bytes(thicker_, 1) - 1);
+  const QualityReport none = report();
+  ASSERT_TRUE(none.mechanics.has_value());
+  EXPECT_FALSE(none.mechanics->reference.has_value());
+  EXPECT_EQ(logged("mechanics.too_large"), 1U);
+  EXPECT_EQ(logged("mechanics.first_order"), 0U);
 }
 
 }  // namespace
