@@ -87,7 +87,7 @@ class Connector {
   // The same for an input that the file names: there an isosurface may stand for a surface, and a surface for
   // an isosurface.
   std::optional<PlanInput> match_named(const Source& source, const Port& port) const {
-    if (const auto found = match(source, port)) return found;
+    if (auto found = match(source, port)) return found;
     if (port.kind == ArtefactKind::kSurface) return match_standing(source, port, ArtefactKind::kIsosurface);
     if (port.kind == ArtefactKind::kIsosurface) return match_standing(source, port, ArtefactKind::kSurface);
     return std::nullopt;
@@ -111,7 +111,7 @@ class Connector {
       }
     }
     for (std::size_t step = earlier_.size(); !port.optional && step-- > 0;) {
-      if (const auto found = match_standing({&earlier_[step], step, {}}, port, ArtefactKind::kSurface))
+      if (auto found = match_standing({&earlier_[step], step, {}}, port, ArtefactKind::kSurface))
         return found;
     }
     return std::nullopt;
