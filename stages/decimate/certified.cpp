@@ -38,8 +38,9 @@ constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
 // where no removal leaves good angles at once, one with a few moves after it often does. All would leave too
 // many that nothing mends.
 constexpr std::array<double, 5> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77};
-constexpr double kAim = 1.3;       // times the least angle: what mending aims at before further removals
-constexpr double kLastAim = 1.15;  // likewise before the law of motion, which needs room, too
+constexpr double kAim = 1.3;  // times the least angle: what mending aims at before further removals
+// Likewise before the law of motion, which needs room, too; a surface that stops at a count has it anyway.
+constexpr double kLastAim = 1.15;
 // Steps of the law of motion before the checks are asked; contours, which have less room, take fewer.
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 3;
@@ -197,7 +198,7 @@ class Schedule {
 
   void finish() {
     remove_in_rounds();
-    mend_angles(kLastAim);
+    mend_angles(removals_left() == 0 ? 1 : kLastAim);
     deform();
     mend_angles(1);
     fit();

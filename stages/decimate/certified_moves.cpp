@@ -209,7 +209,7 @@ bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index v
 double least_angle_gain(const GuardLimits& limits) {
   if (limits.growth > 0) return std::numeric_limits<double>::lowest();
   if (limits.floor_angle > 0) return kWorthwhileGain;
-  return limits.worst_angle_first ? 1e-8 : 1e-4;  // radians, or their fourth power
+  return limits.worst_angle_first ? 1e-12 : 1e-4;  // radians, or their fourth power
 }
 
 Vec3 edge_normal(const CertifiedState& state, Index u, Index v) {

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint64_t kTriesPerTet = 30;  // then a round ends, whatever is left
 constexpr std::uint64_t kPollEvery = 256;
 constexpr std::size_t kGroup = 32;  // trials side by side
-constexpr int kRescues = 3;         // times over all that is left
+constexpr int kRescues = 8;         // times over all that is left
 constexpr double kRescueGain = 0.003;
 constexpr double kRescueTarget = 0.6428;    // 40 degrees
 constexpr std::size_t kFewestRescued = 50;  // and a thousandth of all
