@@ -12,6 +12,8 @@ constexpr std::array<double, 3> kStrengths{0.05, 0.3, 2.0};  // of the tangentia
 constexpr double kLengthWeight = 1e-3;                       // of the squared length in the cost
 // Where an angle is only aimed for, smaller gains than this are not worth a check, radians.
 constexpr double kWorthwhileGain = 0.03;
+// Fall of the sum of deficits' fourth powers for which two more triangles may be made: half a degree's.
+constexpr double kLeastInsertionGain = 1e-8;
 // Steps along the normal, in tolerances and away from the rim, that are tried where a place is too far from
 // the isosurface or leaves it too far away: the triangles of a bent part lie on one side of it, so its
 // vertices belong on the other.
@@ -209,7 +211,7 @@ bool refuse_move(CertifiedState& state, Worker& worker, Refusal refusal, Index v
 double least_angle_gain(const GuardLimits& limits) {
   if (limits.growth > 0) return std::numeric_limits<double>::lowest();
   if (limits.floor_angle > 0) return kWorthwhileGain;
-  return limits.worst_angle_first ? 1e-12 : 1e-4;  // radians, or their fourth power
+  return limits.worst_angle_first ? 1e-11 : 1e-4;  // radians, or their fourth power
 }
 
 Vec3 edge_normal(const CertifiedState& state, Index u, Index v) {
@@ -334,11 +336,13 @@ bool try_insertion(CertifiedState& state, Worker& worker, Index t, std::size_t k
   const Index u = corner[(k + 1) % 3], v = corner[(k + 2) % 3];
   const Vec3 normal = edge_normal(state, u, v);
   state.mesh.valence[vertex] = 0;
+  const bool counts = worker.limits.worst_angle_first && !(worker.limits.growth > 0);
+  const double least = counts ? kLeastInsertionGain : least_angle_gain(worker.limits);
   std::vector<std::pair<double, Vec3>> places;  // with the fall of the sum of deficits, negative
   for (const Vec3 place : insertion_places(state, worker, u, v, normal)) {
     proposal.place = place;
     double gain = 0;
-    if (meets_angles(state.mesh, proposal, worker.limits, &gain) && gain >= least_angle_gain(worker.limits))
+    if (meets_angles(state.mesh, proposal, worker.limits, &gain) && gain >= least)
       places.emplace_back(-gain, place);
   }
   std::stable_sort(places.begin(), places.end(),
