@@ -17,6 +17,8 @@ endif()
 
 # Fused multiply-add would make results depend on what the compiler chose to fuse.
 add_compile_options(-ffp-contract=off)
+# Nobody replaces our functions at load time, so they may be inlined although the code is position independent.
+add_compile_options(-fno-semantic-interposition)
 
 add_library(periost_warnings INTERFACE)
 target_compile_options(periost_warnings INTERFACE

@@ -1,6 +1,7 @@
 #include "pipeline/geometry/isosurface_cut.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "pipeline/base/error.h"
@@ -54,6 +55,29 @@ class Curves {
   }
   std::vector<Index> parent_;
 };
+
+// Of points: the plane across the axis that each lies on; -1 for none.
+std::vector<std::int32_t> planes_of_points(const Isosurface& isosurface, std::size_t axis) {
+  constexpr double kOnPlane = 1e-6;  // voxels
+  std::vector<std::int32_t> planes;
+  planes.reserve(isosurface.surface.points.size());
+  for (const Vec3 point : isosurface.surface.points) {
+    const double q = isosurface.frame.to_index(point)[axis], nearest = std::round(q);
+    planes.push_back(std::abs(q - nearest) < kOnPlane ? static_cast<std::int32_t>(nearest) : -1);
+  }
+  return planes;
+}
+
+// Whether one of these triangles has the side from p to q.
+bool has_side(const SurfaceMesh& surface, Index begin, Index end, Index p, Index q) {
+  for (Index t = begin; t < end; ++t) {
+    const Triangle& c = surface.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (c[k] == p && c[(k + 1) % 3] == q) return true;
+    }
+  }
+  return false;
+}
 
 // Triangles in cells below each plane c, c from 0 to dims.
 std::vector<std::uint64_t> triangles_below(const Isosurface& isosurface, std::size_t axis) {
@@ -163,28 +187,29 @@ std::vector<std::vector<Index>> merge_points(const std::vector<Isosurface>& part
 
 std::array<std::vector<CutCost>, 3> cut_costs(const Isosurface& isosurface) {
   const SurfaceMesh& surface = isosurface.surface;
-  std::vector<CellIndex> cell_of(surface.triangles.size());
-  for_each_cell(isosurface, [&](const CellIndex& cell, Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) cell_of[t] = cell;
-  });
-  const auto neighbours = triangle_neighbours(surface.triangles, surface.points.size());
   std::array<std::vector<CutCost>, 3> costs;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    costs[axis].resize(static_cast<std::size_t>(isosurface.frame.dims[axis]));
+    const std::int32_t end = isosurface.frame.dims[axis];
+    costs[axis].resize(static_cast<std::size_t>(end));
+    const std::vector<std::int32_t> plane_of = planes_of_points(isosurface, axis);
     // A point lies on one plane of an axis at most, so one forest serves all planes: a curve's number of
     // points less its number of joins is 1.
     Curves curves(surface.points.size());
-    for (std::size_t t = 0; t < neighbours.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index u = neighbours[t][k];
-        if (u == kNoIndex || u < t || cell_of[t][axis] == cell_of[u][axis]) continue;
-        CutCost& cost = costs[axis][static_cast<std::size_t>(std::max(cell_of[t][axis], cell_of[u][axis]))];
-        const Index p = surface.triangles[t][(k + 1) % 3], q = surface.triangles[t][(k + 2) % 3];
-        for (const Index end : {p, q}) cost.contours += curves.touch(end) ? 1 : 0;
-        cost.contours -= curves.join(p, q) ? 1 : 0;
-        cost.length_mm += distance(surface.points[p], surface.points[q]);
+    for_each_cell(isosurface, [&](const CellIndex& cell, Index begin, Index stop) {
+      const std::int32_t plane = cell[axis] + 1;  // from below, so that each edge on it counts once
+      if (plane >= end) return;
+      for (Index t = begin; t < stop; ++t) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Index p = surface.triangles[t][k], q = surface.triangles[t][(k + 1) % 3];
+          if (plane_of[p] != plane || plane_of[q] != plane) continue;
+          if (has_side(surface, begin, stop, q, p)) continue;  // within the cell's face, not across it
+          CutCost& cost = costs[axis][static_cast<std::size_t>(plane)];
+          for (const Index point : {p, q}) cost.contours += curves.touch(point) ? 1 : 0;
+          cost.contours -= curves.join(p, q) ? 1 : 0;
+          cost.length_mm += distance(surface.points[p], surface.points[q]);
+        }
       }
-    }
+    });
   }
   return costs;
 }

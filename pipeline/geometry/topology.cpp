@@ -33,19 +33,56 @@ void for_each_edge(const std::vector<EdgeUse>& uses, Visit visit) {
   }
 }
 
-std::vector<std::uint32_t> components_of(const std::vector<EdgeUse>& uses, std::size_t triangles,
-                                         std::uint32_t& components) {
-  DisjointSets sets(triangles);
+// The sides whose smaller end is one of the points begin .. end - 1, sorted.
+std::vector<EdgeUse> uses_from(const std::vector<Triangle>& triangles, std::size_t begin, std::size_t end) {
+  PERIOST_ASSERT(triangles.size() < kNoIndex / 3);
+  const auto for_sides = [&](auto&& visit) {
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Index p = triangles[t][k], q = triangles[t][(k + 1) % 3], lower = std::min(p, q);
+        if (p == q || lower < begin || lower >= end) continue;
+        visit(lower - begin, EdgeUse{lower, std::max(p, q), static_cast<Index>(3 * t + k), p < q});
+      }
+    }
+  };
+  // Counting sort by the smaller end, then a short sort inside each bucket of about three sides.
+  std::vector<std::size_t> first(end - begin + 1, 0);
+  for_sides([&](std::size_t bucket, const EdgeUse&) { ++first[bucket + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<EdgeUse> uses(first.back());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for_sides([&](std::size_t bucket, const EdgeUse& use) { uses[next[bucket]++] = use; });
+  for (std::size_t bucket = 0; bucket < end - begin; ++bucket) {
+    std::sort(
+        uses.begin() + static_cast<std::ptrdiff_t>(first[bucket]),
+        uses.begin() + static_cast<std::ptrdiff_t>(first[bucket + 1]),
+        [](const EdgeUse& x, const EdgeUse& y) { return std::pair(x.b, x.side) < std::pair(y.b, y.side); });
+  }
+  return uses;
+}
+
+void unite_over_edges(const std::vector<EdgeUse>& uses, DisjointSets& sets) {
   for_each_edge(uses, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin + 1; i < end; ++i) sets.unite(uses[begin].triangle(), uses[i].triangle());
   });
-  std::vector<std::uint32_t> component(triangles);
-  components = 0;
-  for (Index t = 0; t < triangles; ++t) {
+}
+
+// Of elements: their sets, numbered by first appearance.
+std::vector<std::uint32_t> numbered(DisjointSets& sets, std::size_t elements, std::uint32_t& count) {
+  std::vector<std::uint32_t> number(elements);
+  count = 0;
+  for (Index t = 0; t < elements; ++t) {
     const Index root = sets.find(t);
-    component[t] = root == t ? components++ : component[root];
+    number[t] = root == t ? count++ : number[root];
   }
-  return component;
+  return number;
+}
+
+std::vector<std::uint32_t> components_of(const std::vector<EdgeUse>& uses, std::size_t triangles,
+                                         std::uint32_t& components) {
+  DisjointSets sets(triangles);
+  unite_over_edges(uses, sets);
+  return numbered(sets, triangles, components);
 }
 
 class Examination {
@@ -144,33 +181,7 @@ std::string name_of(Violation kind) {
 }
 
 std::vector<EdgeUse> sorted_edge_uses(const std::vector<Triangle>& triangles, std::size_t points) {
-  PERIOST_ASSERT(triangles.size() < kNoIndex / 3);
-  // Counting sort by the smaller end, then a short sort inside each bucket of about three sides.
-  std::vector<std::size_t> first(points + 1, 0);
-  for (const Triangle& t : triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const Index p = t[static_cast<std::size_t>(k)], q = t[static_cast<std::size_t>((k + 1) % 3)];
-      PERIOST_ASSERT(p < points && q < points);
-      if (p != q) ++first[std::min(p, q) + 1];
-    }
-  }
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<EdgeUse> uses(first[points]);
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index p = triangles[t][k], q = triangles[t][(k + 1) % 3];
-      if (p == q) continue;
-      uses[next[std::min(p, q)]++] = {std::min(p, q), std::max(p, q), static_cast<Index>(3 * t + k), p < q};
-    }
-  }
-  for (std::size_t p = 0; p < points; ++p) {
-    std::sort(
-        uses.begin() + static_cast<std::ptrdiff_t>(first[p]),
-        uses.begin() + static_cast<std::ptrdiff_t>(first[p + 1]),
-        [](const EdgeUse& x, const EdgeUse& y) { return std::pair(x.b, x.side) < std::pair(y.b, y.side); });
-  }
-  return uses;
+  return uses_from(triangles, 0, points);
 }
 
 std::vector<std::array<Index, 3>> triangle_neighbours(const std::vector<Triangle>& triangles,
@@ -188,8 +199,12 @@ std::vector<std::array<Index, 3>> triangle_neighbours(const std::vector<Triangle
 }
 
 std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& triangles, std::size_t points) {
+  constexpr std::size_t kPointsAtOnce = 65'536;  // all sides at once take four times the triangles' memory
+  DisjointSets sets(triangles.size());
+  for (std::size_t begin = 0; begin < points; begin += kPointsAtOnce)
+    unite_over_edges(uses_from(triangles, begin, std::min(points, begin + kPointsAtOnce)), sets);
   std::uint32_t components = 0;
-  return components_of(sorted_edge_uses(triangles, points), triangles.size(), components);
+  return numbered(sets, triangles.size(), components);
 }
 
 std::vector<std::uint8_t> in_small_component(const std::vector<Triangle>& triangles, std::size_t points,

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
-
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -45,7 +45,6 @@ constexpr double kLastAim = 1.15;
 constexpr int kStepsAtOnce = 5, kContourStepsAtOnce = 2;
 constexpr int kFits = 3;
 constexpr double kLeastLoss = 0.002;  // of the volume: fitted well enough when less is lost or won
-constexpr int kSliverSweeps = 3;
 constexpr int kSliverRounds = 24, kRoundsInVain = 4;
 constexpr int kSplits = 3;
 constexpr double kSplitBelow = 0.75;  // of the least angle: slivers so bad are split in the hope of more
@@ -102,7 +101,9 @@ CertifiedState assemble(const Reference& reference, const Isosurface& isosurface
           std::vector<std::uint32_t>(triangles, 0),
           std::vector<std::uint32_t>(points, 0),
           std::vector<std::uint8_t>(points, 0),
-          std::move(parts.contours)};
+          std::move(parts.contours),
+          static_cast<double>(reference.triangles.size()) /
+              static_cast<double>(isosurface.surface.triangles.size())};
 }
 
 CertifiedState make_state(const Reference& reference, const Isosurface& isosurface,
@@ -220,11 +221,12 @@ class Schedule {
   void remove_in_rounds() {
     const bool is_asked = options_.rounds > 0;
     const std::size_t most = is_asked ? static_cast<std::size_t>(options_.rounds) : kMostRounds;
+    const double budget = state_.share * static_cast<double>(kRoundTriangles);
     std::size_t gone_over = 0;
     for (std::size_t round = 0; round < most; ++round) {
       const std::size_t before = living_triangles(state_.mesh);
       gone_over += before;
-      const bool is_long = !is_asked && round + 1 >= kLeastRounds && gone_over > kRoundTriangles;
+      const bool is_long = !is_asked && round + 1 >= kLeastRounds && static_cast<double>(gone_over) > budget;
       const bool is_last = is_long || round + 1 == most;
       const double bold = round < kBoldAngle.size() ? kBoldAngle[round] : 1, aim = is_last ? 1 : kAim;
       sweep(kTopologySlack, [=](CertifiedState& state, Worker& worker, const VertexList& vertices) {
@@ -277,21 +279,21 @@ class Schedule {
     }
   }
 
-  // In regions first, then in all of space at once, so that none is spared at a seam.
+  // In regions first, without insertions and then with them, then in all of space at once, so that none is
+  // spared at a seam.
   void mend_slivers() {
-    for (int round = 0; round < kSliverSweeps; ++round) sweep(0, sliver_pass);
-    const Spares spares = dead_elements();
-    sweep(0, sliver_pass, &spares);
+    mend_slivers_in_regions({});
+    mend_slivers_in_regions(dead_elements());
     VertexList vertices_of_all;
     std::unique_ptr<Worker> worker = take_lone_worker(vertices_of_all);
     lend(dead_elements(), 0, 1, *worker);
-    mend_with_insertions(*worker);
+    mend_slivers_by(*worker);
     for (int split = 0; split < kSplits; ++split) {
       const double limit = kSplitBelow * worker->limits.min_angle;
       const VertexList vertices = sliver_vertices(state_, limit);
       if (vertices.empty()) break;
       split_pass(state_, *worker, vertices, limit);
-      mend_with_insertions(*worker);
+      mend_slivers_by(*worker);
     }
     idle_.push_back(std::move(worker));
   }
@@ -301,7 +303,7 @@ class Schedule {
     VertexList vertices;
     std::unique_ptr<Worker> worker = take_lone_worker(vertices);
     lend(dead_elements(), 0, 1, *worker);
-    mend_with_insertions(*worker);
+    mend_slivers_by(*worker);
     rescue_pass(state_, *worker, context_);
     idle_.push_back(std::move(worker));
   }
@@ -333,17 +335,34 @@ class Schedule {
     share(spares.triangles, worker.dead_triangles);
   }
 
+  void mend_slivers_in_regions(const Spares& spares) {
+    const VertexList slivers = sliver_vertices(state_, limits_of(options_).min_angle);
+    sweep(
+        0,
+        [this, &slivers](CertifiedState&, Worker& worker, const VertexList& vertices) {
+          VertexList own;
+          std::set_intersection(vertices.begin(), vertices.end(), slivers.begin(), slivers.end(),
+                                std::back_inserter(own));
+          mend_slivers_at(std::move(own), worker);
+        },
+        &spares);
+  }
+
+  void mend_slivers_by(Worker& worker) {
+    mend_slivers_at(sliver_vertices(state_, worker.limits.min_angle), worker);
+  }
+
   // Goes on as long as slivers become fewer, or may do so in a few rounds more.
-  void mend_with_insertions(Worker& worker) {
+  void mend_slivers_at(VertexList vertices, Worker& worker) {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (int round = 0, in_vain = 0; round < kSliverRounds && in_vain < kRoundsInVain; ++round) {
       context_.check_cancelled();
       const std::uint64_t before = worker.counts.moves();
-      const VertexList vertices = sliver_vertices(state_, worker.limits.min_angle);
       sliver_pass(state_, worker, vertices);
       if (worker.counts.moves() == before) break;
       in_vain = vertices.size() < fewest ? 0 : in_vain + 1;
       fewest = std::min(fewest, vertices.size());
+      vertices = sliver_vertices_near(state_, worker.limits.min_angle, vertices);
     }
   }
 

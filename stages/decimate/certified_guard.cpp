@@ -78,6 +78,26 @@ double angle_deficit(const std::array<Vec3, 3>& c, double twice_limit_cosine) {
   return std::max(0.0, (product > 0 ? sum / std::sqrt(product) : 2) - twice_limit_cosine);
 }
 
+// What deficits of angles count.
+class DeficitScale {
+ public:
+  explicit DeficitScale(const GuardLimits& limits)
+      : twice_cosine_(2 * std::cos(limits.min_angle)),
+        below_floor_(limits.floor_angle > 0 ? 2 * std::cos(limits.floor_angle) - twice_cosine_ : 2),
+        is_worst_first_(limits.worst_angle_first) {}
+
+  void add(const std::array<Vec3, 3>& corners, Proposal::AngleDeficits& deficits) const {
+    const double deficit = angle_deficit(corners, twice_cosine_);
+    deficits.sum += is_worst_first_ ? deficit * deficit * deficit * deficit : deficit;
+    deficits.under_floor += std::max(0.0, deficit - below_floor_);
+  }
+
+ private:
+  double twice_cosine_;
+  double below_floor_;  // deficits above this are under the floor, too
+  bool is_worst_first_;
+};
+
 // Sum over the half-edges of one triangle of the excess of |D| over the limit.
 template <class View>
 int topology_deficit(const View& view, const LinkedTriangle& cell, int limit) {
@@ -186,24 +206,21 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
   return new_sum <= sum(before, proposal.before) + sum(before, neighbours);
 }
 
-bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
-                  double* gain) {
-  const double limit = 2 * std::cos(limits.min_angle);
-  const double below_floor = limits.floor_angle > 0 ? 2 * std::cos(limits.floor_angle) - limit : 2;
-  double floor_sum = 0;  // new minus old
-  const auto weighed = [&](const std::array<Vec3, 3>& corners, double sign) {
-    const double deficit = angle_deficit(corners, limit);
-    floor_sum += sign * std::max(0.0, deficit - below_floor);
-    return limits.worst_angle_first ? deficit * deficit * deficit * deficit : deficit;
-  };
-  const BeforeView before{mesh};
-  const AfterView after{mesh, proposal};
-  double old_sum = 0, new_sum = 0;
-  for (const LinkedTriangle& cell : proposal.cells) new_sum += weighed(corners_of(after, cell), 1);
-  if (new_sum == 0 && !gain) return true;
-  for (const Index t : proposal.before) old_sum += weighed(corners_of(before, mesh.triangles[t]), -1);
-  if (gain) *gain = old_sum - new_sum;
-  return new_sum <= old_sum * (1 + limits.growth) && floor_sum <= 0;
+bool meets_angles(const CertifiedMesh& mesh, Proposal& proposal, const GuardLimits& limits, double* gain) {
+  const DeficitScale scale(limits);
+  if (!proposal.deficits_before) {
+    Proposal::AngleDeficits& before = proposal.deficits_before.emplace();
+    for (const Index t : proposal.before) scale.add(corners_now(mesh, t), before);
+  }
+  const Proposal::AngleDeficits& before = *proposal.deficits_before;
+  const double most = before.sum * (1 + limits.growth);
+  Proposal::AngleDeficits after;
+  for (const LinkedTriangle& cell : proposal.cells) {
+    scale.add(corners_after(mesh, proposal, cell), after);
+    if (after.sum > most || after.under_floor > before.under_floor) return false;
+  }
+  if (gain) *gain = before.sum - after.sum;
+  return true;
 }
 
 bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,

@@ -62,8 +62,9 @@ bool has_angle_under(const std::array<Vec3, 3>& triangle, double limit);
 bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
                     bool only_valences = false);
 
-// Angles of the dual triangles. `gain`, when given, receives the fall of the sum of deficits, radians.
-bool meets_angles(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits,
+// Angles of the dual triangles. `gain`, when given, receives the fall of the sum of deficits, radians, where
+// they are met. The limits are the same from a proposal's beginning on.
+bool meets_angles(const CertifiedMesh& mesh, Proposal& proposal, const GuardLimits& limits,
                   double* gain = nullptr);
 
 // Fold against the isosurface's normals, and dihedral angles inside and at the rim of the ring.

@@ -4,6 +4,7 @@
 // triangles; nothing changes until it is applied, so nothing is ever undone.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "stages/decimate/certificate_reference.h"
@@ -94,6 +95,11 @@ struct Proposal {
     int by;
   };
   FixedList<ValenceChange, 4> valence_changes;
+  // Of `before`, once meets_angles has looked: the same for every place.
+  struct AngleDeficits {
+    double sum = 0, under_floor = 0;
+  };
+  std::optional<AngleDeficits> deficits_before;
 
   // Empties it for another move.
   void begin(MoveKind next) {
@@ -103,6 +109,7 @@ struct Proposal {
     cells.clear();
     rim.clear();
     valence_changes.clear();
+    deficits_before.reset();
     moved = removed = kNoIndex;
   }
   int valence_of(const CertifiedMesh& mesh, Index vertex) const {

@@ -33,6 +33,7 @@ struct CertifiedState {
   std::vector<std::uint32_t> settled;    // relocations, of points
   std::vector<std::uint8_t> blocked_by;  // of points: the last Refusal there
   CertifiedContours contours;
+  double share = 1;  // of the whole isosurface's triangles, that this is about
 };
 
 struct MoveCounts {

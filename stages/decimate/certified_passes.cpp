@@ -157,6 +157,11 @@ bool swap_one(CertifiedState& state, Worker& worker, const Star& star, int most_
   return false;
 }
 
+void sort_unique(VertexList& vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+}
+
 Vec3 link_centroid(const CertifiedMesh& mesh, const Star& star) {
   Vec3 sum;
   for (const Index v : star.link) sum += mesh.points[v];
@@ -445,8 +450,25 @@ VertexList sliver_vertices(const CertifiedState& state, double limit) {
     const auto& corner = state.mesh.triangles[t].corner;
     found.insert(found.end(), corner.begin(), corner.end());
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
+  return found;
+}
+
+VertexList sliver_vertices_near(const CertifiedState& state, double limit, const VertexList& vertices) {
+  VertexList near, found;
+  for_free_rings(state.mesh, vertices, [&](Index v, const Star& ring) {
+    near.push_back(v);
+    near.insert(near.end(), ring.link.begin(), ring.link.end());
+  });
+  sort_unique(near);
+  for_free_rings(state.mesh, near, [&](Index, const Star& ring) {
+    for (const Index t : ring.triangle) {
+      if (!has_angle_under(corners_now(state.mesh, t), limit)) continue;
+      const auto& corner = state.mesh.triangles[t].corner;
+      found.insert(found.end(), corner.begin(), corner.end());
+    }
+  });
+  sort_unique(found);
   return found;
 }
 

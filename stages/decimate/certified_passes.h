@@ -39,6 +39,9 @@ GuardLimits mending_slivers(GuardLimits limits);
 
 // The corners of the triangles with an angle under `limit` (radians), ascending.
 VertexList sliver_vertices(const CertifiedState& state, double limit);
+// Likewise, of the triangles at free vertices among those given and next to them: where moves about those may
+// have left some. Reads nothing but the stars of free vertices.
+VertexList sliver_vertices_near(const CertifiedState& state, double limit, const VertexList& vertices);
 
 // Raises the worst angles: triangles far under the limit are mended by the same moves and by moving their
 // corners and the neighbours of these in many directions, and by insertions where the worker has ids for

@@ -36,7 +36,7 @@ class DecimateStage final : public StageOf<DecimateOptions> {
  public:
   void declare(Declaration<DecimateOptions>& d) const override {
     using O = DecimateOptions;
-    d.stage("decimate", 1, "Decimates an isosurface as a deformable simplex mesh.")
+    d.stage("decimate", 2, "Decimates an isosurface as a deformable simplex mesh.")
         .input<Isosurface>("isosurface", "The surface to decimate, open or closed.",
                            {.manifold = true, .oriented = true})
         .optional_input<Hints>("hints",
@@ -116,7 +116,7 @@ class DecimateStage final : public StageOf<DecimateOptions> {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerTriangle = 300, kLeastBytesPerTriangle = 80;
+  static constexpr std::uint64_t kBytesPerTriangle = 300, kLeastBytesPerTriangle = 60;
 };
 
 }  // namespace
