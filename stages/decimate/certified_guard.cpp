@@ -129,17 +129,26 @@ double barycentric_deficit(const View& view, Index t, double limit) {
                                                centre_of(view, view.beside(cell, 2))));
 }
 
-// Excess of the dihedral over its limit, for the half-edges of one triangle.
+// Excess of the dihedral over its limit at half-edges: where the body is sharp, and where the space around it
+// is. Apart, so that a narrow gap outside cannot be traded for a sharp edge inside.
+struct DihedralDeficits {
+  double inside = 0, outside = 0;
+
+  double all() const { return inside + outside; }
+};
 template <class View>
-double dihedral_deficit(const View& view, Index t, double limit) {
+void add_dihedral_deficits(const View& view, Index t, double limit, DihedralDeficits& sum) {
   const LinkedTriangle& cell = view.cell(t);
-  const Vec3 n = normal_of(corners_of(view, cell));
-  double sum = 0;
-  for (const Index other : cell.across) {
-    if (other == kNoIndex) continue;
-    sum += std::max(0.0, limit - dot(n, normal_of(corners_of(view, view.cell(other)))));
+  const auto corners = corners_of(view, cell);
+  const Vec3 n = normal_of(corners);
+  for (const Index across : cell.across) {
+    if (across == kNoIndex) continue;
+    const auto others = corners_of(view, view.cell(across));
+    const double deficit = limit - dot(n, normal_of(others));
+    if (!(deficit > 0)) continue;
+    const bool lies_below = dot(n, others[0] + others[1] + others[2] - corners[0] * 3) < 0;
+    (lies_below ? sum.inside : sum.outside) += deficit;
   }
-  return sum;
 }
 
 // Triangles that are not in the ring but whose edges' criteria change with the valences.
@@ -237,11 +246,11 @@ bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Pro
     const Vec3 old = normal_of(corners_of(before, mesh.triangles[id]));
     if (dot(n, old) <= limits.fold_cosine) return false;
   }
-  double old_sum = 0, new_sum = 0;
-  for (const Index t : proposal.after) new_sum += dihedral_deficit(after, t, limits.dihedral_cosine);
-  if (new_sum == 0) return true;
-  for (const Index t : proposal.before) old_sum += dihedral_deficit(before, t, limits.dihedral_cosine);
-  return new_sum <= old_sum + kSlack;
+  DihedralDeficits old_sum, new_sum;
+  for (const Index t : proposal.after) add_dihedral_deficits(after, t, limits.dihedral_cosine, new_sum);
+  if (!(new_sum.all() > 0)) return true;
+  for (const Index t : proposal.before) add_dihedral_deficits(before, t, limits.dihedral_cosine, old_sum);
+  return new_sum.inside <= old_sum.inside + kSlack && new_sum.all() <= old_sum.all() + kSlack;
 }
 
 bool meets_barycentric(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits) {

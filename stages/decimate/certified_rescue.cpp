@@ -215,13 +215,18 @@ void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::si
 void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) {
   const auto living = std::count_if(state.mesh.triangles.begin(), state.mesh.triangles.end(),
                                     [](const LinkedTriangle& t) { return t.is_alive(); });
-  const double limit = (living < kSmallSurface ? kUnder : kFarUnder) * worker.limits.min_angle;
-  const std::size_t slivers = find_slivers(state, limit).size();
-  if (slivers == 0) return;
   const std::size_t recipes = std::max(kLeastRecipes, static_cast<std::size_t>(living) / kTrianglesPerRecipe);
-  rescue_slivers(state, worker, limit, recipes, context);
-  context.debug("decimate.rescue", std::to_string(find_slivers(state, limit).size()) + " of " +
-                                       std::to_string(slivers) + " slivers left after their rescue");
+  // Those far under the limit first, whatever it takes: what little the others lack shall not use up the
+  // recipes.
+  for (const double part : {kFarUnder, kUnder}) {
+    if (part == kUnder && living >= kSmallSurface) break;
+    const double limit = part * worker.limits.min_angle;
+    const std::size_t slivers = find_slivers(state, limit).size();
+    if (slivers == 0) continue;
+    rescue_slivers(state, worker, limit, recipes, context);
+    context.debug("decimate.rescue", std::to_string(find_slivers(state, limit).size()) + " of " +
+                                         std::to_string(slivers) + " slivers left after their rescue");
+  }
 }
 
 }  // namespace periost

@@ -26,9 +26,9 @@ std::vector<Index> find_slivers(const CertifiedState& state, double limit);
 void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
                     const Context& context);
 
-// Rescues the triangles with an angle under 3/4 of worker.limits.min_angle, or on a surface of less than
-// 20,000 triangles under nearly all of it, with as many recipes as suit the number of triangles. Costs
-// nothing but a look at each triangle where there are none.
+// Rescues the triangles with an angle under 3/4 of worker.limits.min_angle, then on a surface of less than
+// 20,000 triangles those under nearly all of it, each with as many recipes as suit the number of triangles.
+// Costs nothing but a look at each triangle where there are none.
 void rescue_pass(CertifiedState& state, Worker& worker, const Context& context);
 
 }  // namespace periost

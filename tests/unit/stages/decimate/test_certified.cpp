@@ -54,6 +54,27 @@ std::vector<double> sorted_angles(const SurfaceMesh& mesh) {
   return angles;
 }
 
+// The smallest dihedral angle at an edge within the body, degrees.
+double sharpest_edge(const SurfaceMesh& mesh) {
+  const auto normal_of = [&](const Triangle& t) {
+    return normalized(cross(mesh.points[t[1]] - mesh.points[t[0]], mesh.points[t[2]] - mesh.points[t[0]]));
+  };
+  const auto neighbours = triangle_neighbours(mesh.triangles, mesh.points.size());
+  double smallest = 180;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 n = normal_of(mesh.triangles[t]), here = mesh.points[mesh.triangles[t][0]];
+    for (const Index across : neighbours[t]) {
+      const Triangle& other = mesh.triangles[across];
+      double height = 0;
+      for (const Index v : other) height += dot(n, mesh.points[v] - here);
+      if (height >= 0) continue;  // hollow
+      const double bend = std::acos(std::clamp(dot(n, normal_of(other)), -1.0, 1.0));
+      smallest = std::min(smallest, 180 - bend * 57.29577951308232);
+    }
+  }
+  return smallest;
+}
+
 class Certified : public testing::TestWithParam<Case> {};
 
 TEST_P(Certified, KeepsItsPromises) {
@@ -82,6 +103,9 @@ TEST_P(Certified, KeepsItsPromises) {
   EXPECT_GE(angles[angles.size() / 100], GetParam().p01_angle);
   EXPECT_GE(angles.front(), GetParam().worst_angle);
   EXPECT_EQ(mesh.face_fields.at("blocked_by").size(), mesh.dual_position.size());
+  // No edge sharper than the limit where the isosurface has none.
+  EXPECT_GE(sharpest_edge(result) + 1e-6,
+            std::min(sharpest_edge(isosurface.surface), options.min_edge_angle.degrees));
 }
 
 INSTANTIATE_TEST_SUITE_P(
