@@ -1,8 +1,14 @@
 #include "pipeline/geometry/measure_quality.h"
 
+#include <fmt/format.h>
+
+#include <map>
+
 #include "pipeline/geometry/measure_surface.h"
 #include "pipeline/geometry/measure_volume.h"
 #include "pipeline/geometry/surface_distance.h"
+#include "pipeline/geometry/tet_quality.h"
+#include "pipeline/geometry/wall_thickness.h"
 
 namespace periost {
 namespace {
@@ -45,6 +51,31 @@ void compare(const QualityInputs& inputs, const MeasureOptions& options, const C
   measurement.worst["surface.distance.isosurface_to_surface"] = std::move(backward);
 }
 
+// Where the worst tetrahedra stand in walls thinner than they are long, the isosurface leaves room for no
+// better ones: their origin says so.
+void name_thin_walls(const TetMesh& mesh, const SurfaceMesh& isosurface, WorstElements& worst) {
+  std::map<std::uint64_t, std::string> known;  // most stand in several lists
+  const auto wall_at = [&](std::uint64_t t) -> std::string {
+    const TetCorners c = tet_corners(mesh, t);
+    double longest = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, distance(c[i], c[j]));
+    }
+    if (!(longest > 0)) return "";
+    const auto thickness = wall_thickness(isosurface, (c[0] + c[1] + c[2] + c[3]) / 4, longest);
+    if (!thickness || *thickness >= longest) return "";
+    return fmt::format(", in a wall of the isosurface that is {:.2g} mm thick", *thickness);
+  };
+  for (auto& [metric, elements] : worst) {
+    if (metric.rfind("volume.", 0) != 0) continue;
+    for (WorstElement& element : elements) {
+      auto [at, is_new] = known.try_emplace(element.element);
+      if (is_new) at->second = wall_at(element.element);
+      element.origin += at->second;
+    }
+  }
+}
+
 }  // namespace
 
 Measurement measure_quality(const QualityInputs& inputs, const MeasureOptions& options,
@@ -62,6 +93,8 @@ Measurement measure_quality(const QualityInputs& inputs, const MeasureOptions& o
   }
   if (inputs.tet_mesh != nullptr) {
     report.volume = measure_volume(*inputs.tet_mesh, context, measurement.worst);
+    if (inputs.isosurface != nullptr && report.isosurface->closed)
+      name_thin_walls(*inputs.tet_mesh, *inputs.isosurface, measurement.worst);
   }
   return measurement;
 }

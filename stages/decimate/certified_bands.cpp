@@ -105,7 +105,6 @@ struct BandProofs {
 // Home and labels by the band's numbers; those outside of the band, which do not change, are left out.
 ReverseProof proof_in_band(const ReverseProof& whole, const BandMesh& band) {
   ReverseProof proof;
-  if (whole.home == kNoIndex) return proof;
   proof.home = position_in(band.triangle, whole.home);
   if (proof.home == kNoIndex) return proof;
   std::size_t count = 0;

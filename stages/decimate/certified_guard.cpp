@@ -136,19 +136,57 @@ struct DihedralDeficits {
 
   double all() const { return inside + outside; }
 };
-template <class View>
-void add_dihedral_deficits(const View& view, Index t, double limit, DihedralDeficits& sum) {
-  const LinkedTriangle& cell = view.cell(t);
-  const auto corners = corners_of(view, cell);
-  const Vec3 n = normal_of(corners);
-  for (const Index across : cell.across) {
-    if (across == kNoIndex) continue;
-    const auto others = corners_of(view, view.cell(across));
-    const double deficit = limit - dot(n, normal_of(others));
-    if (!(deficit > 0)) continue;
-    const bool lies_below = dot(n, others[0] + others[1] + others[2] - corners[0] * 3) < 0;
-    (lies_below ? sum.inside : sum.outside) += deficit;
+// Adds what one half-edge has, between triangles with these corners and normals.
+void add_dihedral_deficit(const std::array<Vec3, 3>& corners, Vec3 normal, const std::array<Vec3, 3>& others,
+                          Vec3 other_normal, double limit, DihedralDeficits& sum) {
+  const double deficit = limit - dot(normal, other_normal);
+  if (!(deficit > 0)) return;
+  const bool lies_below = dot(normal, others[0] + others[1] + others[2] - corners[0] * 3) < 0;
+  (lies_below ? sum.inside : sum.outside) += deficit;
+}
+
+DihedralDeficits dihedral_deficits_before(const CertifiedMesh& mesh, const Proposal& proposal, double limit) {
+  DihedralDeficits sum;
+  for (const Index t : proposal.before) {
+    const auto corners = corners_now(mesh, t);
+    const Vec3 normal = normal_of(corners);
+    for (const Index across : mesh.triangles[t].across) {
+      if (across == kNoIndex) continue;
+      const auto others = corners_now(mesh, across);
+      add_dihedral_deficit(corners, normal, others, normal_of(others), limit, sum);
+    }
   }
+  return sum;
+}
+
+// The new triangles, each with its corners and normal.
+struct NewTriangles {
+  FixedList<std::array<Vec3, 3>, kMaxRing> corners;
+  FixedList<Vec3, kMaxRing> normals;
+
+  NewTriangles(const CertifiedMesh& mesh, const Proposal& proposal) {
+    for (const LinkedTriangle& cell : proposal.cells) {
+      corners.push_back(corners_after(mesh, proposal, cell));
+      normals.push_back(normal_of(corners[corners.size() - 1]));
+    }
+  }
+};
+
+DihedralDeficits dihedral_deficits_after(const CertifiedMesh& mesh, const Proposal& proposal,
+                                         const NewTriangles& fresh, double limit) {
+  DihedralDeficits sum;
+  for (std::size_t i = 0; i < proposal.cells.size(); ++i) {
+    for (const Index across : proposal.cells[i].across) {
+      if (across == kNoIndex) continue;
+      const auto at = static_cast<std::size_t>(
+          std::find(proposal.after.begin(), proposal.after.end(), across) - proposal.after.begin());
+      const bool is_new = at < proposal.after.size();
+      const auto others = is_new ? fresh.corners[at] : corners_now(mesh, across);
+      add_dihedral_deficit(fresh.corners[i], fresh.normals[i], others,
+                           is_new ? fresh.normals[at] : normal_of(others), limit, sum);
+    }
+  }
+  return sum;
 }
 
 // Triangles that are not in the ring but whose edges' criteria change with the valences.
@@ -234,22 +272,19 @@ bool meets_angles(const CertifiedMesh& mesh, Proposal& proposal, const GuardLimi
 
 bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Proposal& proposal,
                 const GuardLimits& limits) {
-  const BeforeView before{mesh};
-  const AfterView after{mesh, proposal};
+  const NewTriangles fresh(mesh, proposal);
   for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    const LinkedTriangle& cell = proposal.cells[i];
-    const Vec3 n = normal_of(corners_of(after, cell));
+    const Vec3 n = fresh.normals[i];
     Vec3 mean;
-    for (const Index v : cell.corner) mean += reference.normals[proposal.nearest_of(mesh, v)];
+    for (const Index v : proposal.cells[i].corner) mean += reference.normals[proposal.nearest_of(mesh, v)];
     if (dot(n, normalized(mean)) > limits.fold_cosine) continue;
     const Index id = proposal.before.contains(proposal.after[i]) ? proposal.after[i] : proposal.before[0];
-    const Vec3 old = normal_of(corners_of(before, mesh.triangles[id]));
+    const Vec3 old = normal_of(corners_now(mesh, id));
     if (dot(n, old) <= limits.fold_cosine) return false;
   }
-  DihedralDeficits old_sum, new_sum;
-  for (const Index t : proposal.after) add_dihedral_deficits(after, t, limits.dihedral_cosine, new_sum);
+  const DihedralDeficits new_sum = dihedral_deficits_after(mesh, proposal, fresh, limits.dihedral_cosine);
   if (!(new_sum.all() > 0)) return true;
-  for (const Index t : proposal.before) add_dihedral_deficits(before, t, limits.dihedral_cosine, old_sum);
+  const DihedralDeficits old_sum = dihedral_deficits_before(mesh, proposal, limits.dihedral_cosine);
   return new_sum.inside <= old_sum.inside + kSlack && new_sum.all() <= old_sum.all() + kSlack;
 }
 

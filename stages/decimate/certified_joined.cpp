@@ -49,7 +49,6 @@ DecimatedPiece take_piece(const CertifiedState& state, const std::vector<Index>&
   }
   for (Index s = 0; s < whole.size() && state.reverse_tolerance > 0; ++s) {
     ReverseProof proof = state.proofs.proof[s];
-    if (proof.home == kNoIndex) continue;
     proof.home = triangle[proof.home];
     for (Index& label : proof.label) label = label == kNoIndex ? kNoIndex : triangle[label];
     proofs[whole[s]] = proof;
@@ -102,7 +101,6 @@ void PieceJoiner::add(const DecimatedPiece& piece, const std::vector<Index>& iso
 std::vector<std::uint32_t> count_uses(const JoinedMesh& joined) {
   std::vector<std::uint32_t> uses(joined.triangles.size(), 0);
   for (const ReverseProof& proof : joined.proofs) {
-    if (proof.home == kNoIndex) continue;
     ++uses[proof.home];
     for (const Index label : proof.label) {
       if (label != kNoIndex) ++uses[label];

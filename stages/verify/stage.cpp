@@ -34,7 +34,7 @@ namespace {
 class VerifyStage final : public StageOf<VerifyOptions> {
  public:
   void declare(Declaration<VerifyOptions>& d) const override {
-    d.stage("verify", 4, "Measures surface and volume mesh and judges them by quality gates.")
+    d.stage("verify", 5, "Measures surface and volume mesh and judges them by quality gates.")
         .optional_input<Isosurface>("isosurface", "What distances and volumes are compared with.")
         .optional_input<SimplexMesh>("simplex_mesh",
                                      "The decimated model, for its report and the distance asked.")

@@ -106,6 +106,18 @@ TEST(MeasureQuality, VolumesSumToTheBoxAndItsBoundaryIsClosed) {
   EXPECT_NE(worst["volume.min_dihedral_deg"][0].origin, "");
 }
 
+TEST(MeasureQuality, TheWorstTetrahedraOfThinWallsSayHowThinTheseAre) {
+  for (const double height : {0.1, 2.0}) {
+    TetMesh mesh = box_of_tets(2, 1);
+    for (Vec3& p : mesh.points) p.z *= height;
+    const SurfaceMesh isosurface = test::box_surface({0, 0, 0}, {2, 2, 2 * height});
+    const Measurement measured =
+        measure_quality({.isosurface = &isosurface, .tet_mesh = &mesh}, {}, Context{});
+    const std::string origin = measured.worst.at("volume.min_dihedral_deg")[0].origin;
+    EXPECT_EQ(origin.find("is 0.2 mm thick") != std::string::npos, height == 0.1) << origin;
+  }
+}
+
 TEST(MeasureQuality, AnInvertedTetrahedronIsCountedAndNamed) {
   TetMesh mesh = box_of_tets(2, 1);
   std::swap(mesh.tets[17][0], mesh.tets[17][1]);
