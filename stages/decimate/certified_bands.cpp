@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "stages/decimate/certified_pieces.h"
+#include "stages/decimate/certified_schedule.h"
 
 namespace periost {
 namespace {

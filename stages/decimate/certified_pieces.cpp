@@ -13,6 +13,7 @@
 #include "pipeline/base/random.h"
 #include "pipeline/geometry/topology.h"
 #include "stages/decimate/certified_bands.h"
+#include "stages/decimate/certified_schedule.h"
 
 namespace periost {
 namespace {

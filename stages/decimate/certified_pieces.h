@@ -39,8 +39,8 @@ SimplexMesh decimate_certified_in_pieces(const Isosurface& isosurface, std::uint
 // smallest feasible budget.
 std::uint32_t pieces_within(const Isosurface& isosurface, const Context& context);
 
-// Steps of decimate_certified (certified.cpp): the state that is the isosurface itself, the moves, and the
-// model of the result.
+// Steps of decimate_certified (certified.cpp): the state that is the isosurface itself, and the model of the
+// result.
 CertifiedState make_certified_state(const Reference& reference, const Isosurface& isosurface,
                                     const DecimateOptions& options, const Context& context);
 
@@ -53,11 +53,6 @@ struct StateParts {
 };
 CertifiedState assemble_state(const Reference& reference, const Isosurface& isosurface, StateParts parts,
                               const DecimateOptions& options, const Context& context);
-
-// How far the schedule runs: through the removals in stages by cost, or altogether.
-enum class Extent { kByCost, kToTheEnd };
-MoveCounts run_certified_schedule(CertifiedState& state, const DecimateOptions& options, Extent extent,
-                                  const Context& context);
 
 SimplexMesh finish_certified(const SurfaceMesh& surface, const MoveCounts& counts,
                              const Isosurface& isosurface, const DecimateOptions& options,

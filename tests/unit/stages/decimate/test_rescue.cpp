@@ -12,6 +12,7 @@
 #include "stages/decimate/certified_patch.h"
 #include "stages/decimate/certified_pieces.h"
 #include "stages/decimate/certified_rescue.h"
+#include "stages/decimate/certified_schedule.h"
 
 namespace periost {
 namespace {
