@@ -86,7 +86,7 @@ class DeficitScale {
         below_floor_(limits.floor_angle > 0 ? 2 * std::cos(limits.floor_angle) - twice_cosine_ : 2),
         is_worst_first_(limits.worst_angle_first) {}
 
-  void add(const std::array<Vec3, 3>& corners, Proposal::AngleDeficits& deficits) const {
+  void add(const std::array<Vec3, 3>& corners, AngleDeficits& deficits) const {
     const double deficit = angle_deficit(corners, twice_cosine_);
     deficits.sum += is_worst_first_ ? deficit * deficit * deficit * deficit : deficit;
     deficits.under_floor += std::max(0.0, deficit - below_floor_);
@@ -256,12 +256,12 @@ bool meets_topology(const CertifiedMesh& mesh, const Proposal& proposal, const G
 bool meets_angles(const CertifiedMesh& mesh, Proposal& proposal, const GuardLimits& limits, double* gain) {
   const DeficitScale scale(limits);
   if (!proposal.deficits_before) {
-    Proposal::AngleDeficits& before = proposal.deficits_before.emplace();
+    AngleDeficits& before = proposal.deficits_before.emplace();
     for (const Index t : proposal.before) scale.add(corners_now(mesh, t), before);
   }
-  const Proposal::AngleDeficits& before = *proposal.deficits_before;
+  const AngleDeficits& before = *proposal.deficits_before;
   const double most = before.sum * (1 + limits.growth);
-  Proposal::AngleDeficits after;
+  AngleDeficits after;
   for (const LinkedTriangle& cell : proposal.cells) {
     scale.add(corners_after(mesh, proposal, cell), after);
     if (after.sum > most || after.under_floor > before.under_floor) return false;

@@ -78,6 +78,11 @@ bool gather_ring(const CertifiedMesh& mesh, Index vertex, Star& ring);
 
 enum class MoveKind { kRemoval, kSwap, kRelocation, kInsertion };
 
+// Sums over triangles of how far their smallest angles fall short (certified_guard.h).
+struct AngleDeficits {
+  double sum = 0, under_floor = 0;
+};
+
 // A replacement of the triangles `before` by `after`, which keep some of the ids. An insertion brings in ids
 // of dead elements as well.
 struct Proposal {
@@ -95,11 +100,7 @@ struct Proposal {
     int by;
   };
   FixedList<ValenceChange, 4> valence_changes;
-  // Of `before`, once meets_angles has looked: the same for every place.
-  struct AngleDeficits {
-    double sum = 0, under_floor = 0;
-  };
-  std::optional<AngleDeficits> deficits_before;
+  std::optional<AngleDeficits> deficits_before;  // once meets_angles has looked: the same for every place
 
   // Empties it for another move.
   void begin(MoveKind next) {
