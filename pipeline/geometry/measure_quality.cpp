@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "pipeline/geometry/measure_surface.h"
@@ -55,14 +56,14 @@ void compare(const QualityInputs& inputs, const MeasureOptions& options, const C
 // better ones: their origin says so.
 void name_thin_walls(const TetMesh& mesh, const SurfaceMesh& isosurface, WorstElements& worst) {
   std::map<std::uint64_t, std::string> known;  // most stand in several lists
-  const auto wall_at = [&](std::uint64_t t) -> std::string {
-    const TetCorners c = tet_corners(mesh, t);
+  const auto wall_of = [&](const WorstElement& element) -> std::string {
+    const TetCorners c = tet_corners(mesh, element.element);
     double longest = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < i; ++j) longest = std::max(longest, distance(c[i], c[j]));
     }
     if (!(longest > 0)) return "";
-    const auto thickness = wall_thickness(isosurface, (c[0] + c[1] + c[2] + c[3]) / 4, longest);
+    const auto thickness = wall_thickness(isosurface, element.centre_mm, longest);
     if (!thickness || *thickness >= longest) return "";
     return fmt::format(", in a wall of the isosurface that is {:.2g} mm thick", *thickness);
   };
@@ -70,7 +71,7 @@ void name_thin_walls(const TetMesh& mesh, const SurfaceMesh& isosurface, WorstEl
     if (metric.rfind("volume.", 0) != 0) continue;
     for (WorstElement& element : elements) {
       auto [at, is_new] = known.try_emplace(element.element);
-      if (is_new) at->second = wall_at(element.element);
+      if (is_new) at->second = wall_of(element);
       element.origin += at->second;
     }
   }

@@ -33,6 +33,11 @@ void for_each_edge(const std::vector<EdgeUse>& uses, Visit visit) {
   }
 }
 
+[[maybe_unused]] bool are_in_range(const std::vector<Triangle>& triangles, std::size_t points) {
+  return std::all_of(triangles.begin(), triangles.end(),
+                     [&](const Triangle& t) { return t[0] < points && t[1] < points && t[2] < points; });
+}
+
 // The sides whose smaller end is one of the points begin .. end - 1, sorted.
 std::vector<EdgeUse> uses_from(const std::vector<Triangle>& triangles, std::size_t begin, std::size_t end) {
   PERIOST_ASSERT(triangles.size() < kNoIndex / 3);
@@ -181,6 +186,7 @@ std::string name_of(Violation kind) {
 }
 
 std::vector<EdgeUse> sorted_edge_uses(const std::vector<Triangle>& triangles, std::size_t points) {
+  PERIOST_ASSERT(are_in_range(triangles, points));
   return uses_from(triangles, 0, points);
 }
 
@@ -200,6 +206,7 @@ std::vector<std::array<Index, 3>> triangle_neighbours(const std::vector<Triangle
 
 std::vector<std::uint32_t> triangle_components(const std::vector<Triangle>& triangles, std::size_t points) {
   constexpr std::size_t kPointsAtOnce = 65'536;  // all sides at once take four times the triangles' memory
+  PERIOST_ASSERT(are_in_range(triangles, points));
   DisjointSets sets(triangles.size());
   for (std::size_t begin = 0; begin < points; begin += kPointsAtOnce)
     unite_over_edges(uses_from(triangles, begin, std::min(points, begin + kPointsAtOnce)), sets);

@@ -136,6 +136,7 @@ struct DihedralDeficits {
 
   double all() const { return inside + outside; }
 };
+
 // Adds what one half-edge has, between triangles with these corners and normals.
 void add_dihedral_deficit(const std::array<Vec3, 3>& corners, Vec3 normal, const std::array<Vec3, 3>& others,
                           Vec3 other_normal, double limit, DihedralDeficits& sum) {

@@ -175,15 +175,15 @@ class Schedule {
     }
   }
 
-  // All of space is one region, and its vertices are that worker's.
-  std::unique_ptr<Worker> take_lone_worker(VertexList& vertices) {
-    auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0, context_);
+  // All of space is one region, and what removals left over is all that worker's.
+  std::unique_ptr<Worker> take_lone_worker() {
+    const auto regions = cut_regions(state_, std::numeric_limits<std::size_t>::max(), 0, context_);
     std::unique_ptr<Worker> worker = take_worker();
     worker->limits = limits_of(options_);
     worker->quota = std::numeric_limits<std::size_t>::max();
     worker->region_lo = regions[0].lo;
     worker->region_hi = regions[0].hi;
-    vertices = std::move(regions[0].vertices);
+    lend(dead_elements(), 0, 1, *worker);
     return worker;
   }
 
@@ -220,9 +220,7 @@ class Schedule {
   void mend_slivers() {
     mend_slivers_in_regions({});
     mend_slivers_in_regions(dead_elements());
-    VertexList vertices_of_all;
-    std::unique_ptr<Worker> worker = take_lone_worker(vertices_of_all);
-    lend(dead_elements(), 0, 1, *worker);
+    std::unique_ptr<Worker> worker = take_lone_worker();
     mend_slivers_by(*worker);
     for (int split = 0; split < kSplits; ++split) {
       const double limit = kSplitBelow * worker->limits.min_angle;
@@ -236,9 +234,7 @@ class Schedule {
 
   // The slivers that are left, and what the fit has made worse.
   void rescue() {
-    VertexList vertices;
-    std::unique_ptr<Worker> worker = take_lone_worker(vertices);
-    lend(dead_elements(), 0, 1, *worker);
+    std::unique_ptr<Worker> worker = take_lone_worker();
     mend_slivers_by(*worker);
     rescue_pass(state_, *worker, context_);
     idle_.push_back(std::move(worker));

@@ -150,8 +150,8 @@ TEST(Certified, RegionsDoNotShowInTheResult) {
   EXPECT_GE(mesh.report.rate(), 0.85);
 }
 
-// The law of motion at work: rms of the simplex angle against the mean of its neighbours.
-// The paper's binary cube.
+// The law of motion at work on the paper's binary cube: rms of the simplex angle against the mean of its
+// neighbours.
 TEST(Certified, RigidityBuysSmoothness) {
   const Isosurface isosurface =
       marching_cubes(make_phantom({.shape = PhantomShape::kCube}, {}), {.lower = 0.5}, {}, {});
