@@ -9,7 +9,7 @@
 // T is within the tolerance all over the overlay if its corners are so to one triangle. No edge of the
 // collected patch's border has a shadow that meets T, so the degree of the projection of the patch onto T's
 // plane is the same at every point of T; if it is at least 1 at one point, each point of T lies in an
-// overlay, and so within the tolerance. Tried along the mean isosurface normal, then along T's own. An
+// overlay, and so within the tolerance. Tried along the mean isosurface normal first, along T's own last. An
 // overlay that fails names a point of T, its highest; where no isosurface triangle is within the tolerance of
 // that point, T is refuted and nothing more is tried.
 //
@@ -48,7 +48,7 @@ Answer certify_by_overlay(const Reference& reference, const DualTriangle& triang
 bool certify_by_bisection(const Reference& reference, const std::array<Vec3, 3>& triangle, double tolerance,
                           int depth, ForwardScratch& scratch);
 
-// All three in turn. `tolerance` in mm, > 0; keep 1e-4 of it for rounding.
+// An overlay, bisection, the other overlay in turn. `tolerance` in mm, > 0; keep 1e-4 of it for rounding.
 bool certify_forward(const Reference& reference, const DualTriangle& triangle, double tolerance,
                      ForwardScratch& scratch);
 

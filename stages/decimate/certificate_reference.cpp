@@ -12,7 +12,8 @@
 namespace periost {
 namespace {
 
-constexpr std::size_t kBlock = 8192;  // triangles of one task
+constexpr std::size_t kBlock = 8192;        // triangles of one task
+constexpr double kBeyondRadius = 1 + 1e-6;  // of squared radii, on the safe side of rounding
 
 // spread_bits() of the places in a block.
 constexpr std::array<std::size_t, 8> kSpread{0, 1, 8, 9, 64, 65, 72, 73};
@@ -22,12 +23,11 @@ std::array<std::int32_t, 3> cell_of(Vec3 index) {
           static_cast<std::int32_t>(std::floor(index.z))};
 }
 
-// Squared distance from p to the segment a b.
-double squared_distance_to_segment(Vec3 p, Vec3 a, Vec3 b) {
-  const Vec3 e = b - a;
-  const double length = squared_norm(e);
-  const double t = length > 0 ? std::clamp(dot(p - a, e) / length, 0.0, 1.0) : 0.0;
-  return squared_norm(p - a - e * t);
+// Squared length of the way from a segment that begins at the origin and leads along e to the point d.
+double squared_distance_to_segment(Vec3 d, Vec3 e) {
+  const double along = dot(d, e), length = squared_norm(e);
+  if (along <= 0) return squared_norm(d);
+  return squared_norm(d - e * std::min(1.0, along / length));
 }
 
 // The numbers by ascending code, equal codes by number: blocks are sorted apart and merged in pairs.
@@ -52,13 +52,18 @@ double squared_distance(Vec3 p, const std::array<Vec3, 3>& t) {
   const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0], d = p - t[0];
   const Vec3 n = cross(e1, e2);
   const double nn = squared_norm(n);
-  const double u = dot(cross(d, e2), n), v = dot(cross(e1, d), n);
-  if (nn > 0 && u >= 0 && v >= 0 && u + v <= nn) {
+  const double u = dot(cross(d, e2), n), v = dot(cross(e1, d), n), w = nn - u - v;
+  const bool is_flat = !(nn > 0);
+  if (!is_flat && u >= 0 && v >= 0 && w >= 0) {
     const double h = dot(d, n);
     return h * h / nn;
   }
-  return std::min({squared_distance_to_segment(p, t[0], t[1]), squared_distance_to_segment(p, t[1], t[2]),
-                   squared_distance_to_segment(p, t[2], t[0])});
+  // The nearest point lies on an edge that the point is beyond.
+  double least = std::numeric_limits<double>::infinity();
+  if (is_flat || v < 0) least = squared_distance_to_segment(d, e1);
+  if (is_flat || u < 0) least = std::min(least, squared_distance_to_segment(d, e2));
+  if (is_flat || w < 0) least = std::min(least, squared_distance_to_segment(p - t[1], t[2] - t[1]));
+  return least;
 }
 
 void link_triangles(std::vector<LinkedTriangle>& triangles, std::size_t point_count, const Context& context) {
@@ -148,6 +153,7 @@ void Reference::renumber(const SurfaceMesh& surface, std::vector<Index>* numbers
     first_cell_[axis] = lo[axis];
     block_count_[axis] = (hi[axis] - lo[axis]) / kSide + 1;
     overhang_[axis] += 1e-9;
+    cells_per_mm_[axis] = 1 / frame_.spacing[axis];
   }
   std::vector<std::uint64_t> codes(count);
   for (std::size_t t = 0; t < count; ++t) {
@@ -214,37 +220,33 @@ void Reference::link(const Context& context) {
   });
 }
 
-Reference::CellRange Reference::cells_around(Vec3 point, double radius) const {
-  const Vec3 q = frame_.to_index(point);
-  CellRange range{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double reach = radius / frame_.spacing[axis] + overhang_[axis];
-    const double last = block_count_[axis] * kSide - 1;
-    const double lo = std::floor(q[axis] - reach) - first_cell_[axis];
-    const double hi = std::floor(q[axis] + reach) - first_cell_[axis];
-    range.lo[axis] = static_cast<std::int32_t>(std::clamp(lo, 0.0, last + 1));
-    range.hi[axis] = static_cast<std::int32_t>(std::clamp(hi, -1.0, last));
-  }
-  return range;
-}
-
-// Stops when `visit` returns false, and returns that.
+// Visits the triangles of all cells that may have one within `radius` of the point. Stops when `visit`
+// returns false, and returns that.
 template <class Visit>
-bool Reference::visit_cells(const CellRange& range, Visit&& visit) const {
-  for (std::int32_t k = range.lo[2]; k <= range.hi[2]; ++k) {
-    for (std::int32_t j = range.lo[1]; j <= range.hi[1]; ++j) {
-      for (std::int32_t i = range.lo[0]; i <= range.hi[0]; ++i) {
-        const std::size_t place =
-            static_cast<std::size_t>(i / kSide) +
-            static_cast<std::size_t>(block_count_[0]) *
-                (static_cast<std::size_t>(j / kSide) +
-                 static_cast<std::size_t>(block_count_[1]) * static_cast<std::size_t>(k / kSide));
-        const std::uint32_t block = directory_[place];
+bool Reference::visit_near(Vec3 point, double radius, Visit&& visit) const {
+  constexpr std::uint32_t side = kSide;
+  const Vec3 q = frame_.to_index(point);
+  const double most = radius * radius * kBeyondRadius;  // squared
+  const auto columns = static_cast<std::size_t>(block_count_[0]),
+             rows = static_cast<std::size_t>(block_count_[1]);
+  const auto [first_z, last_z] = cells_within(2, q.z, radius);
+  const auto [first_y, last_y] = cells_within(1, q.y, radius);
+  for (std::int32_t z = first_z; z <= last_z; ++z) {
+    const auto k = static_cast<std::uint32_t>(z);
+    const double left_z = most - squared_gap(2, q.z, z);
+    for (std::int32_t y = first_y; y <= last_y; ++y) {
+      const auto j = static_cast<std::uint32_t>(y);
+      const double left = left_z - squared_gap(1, q.y, y);
+      if (left < 0) continue;
+      const auto [first_x, last_x] = cells_within(0, q.x, std::sqrt(left));
+      const std::uint32_t* const blocks = directory_.data() + columns * (j / side + rows * (k / side));
+      const std::size_t cell_yz = kSpread[j % side] << 1 | kSpread[k % side] << 2;
+      for (std::int32_t x = first_x; x <= last_x; ++x) {
+        const auto i = static_cast<std::uint32_t>(x);
+        const std::uint32_t block = blocks[i / side];
         if (block == kNoIndex) continue;
-        const std::size_t cell = kSpread[static_cast<std::size_t>(i % kSide)] |
-                                 kSpread[static_cast<std::size_t>(j % kSide)] << 1 |
-                                 kSpread[static_cast<std::size_t>(k % kSide)] << 2;
-        for (Index t = block_[block][cell]; t < block_[block][cell + 1]; ++t) {
+        const Index* const first = block_[block].data() + (kSpread[i % side] | cell_yz);
+        for (Index t = first[0]; t < first[1]; ++t) {
           if (!visit(t)) return false;
         }
       }
@@ -253,9 +255,25 @@ bool Reference::visit_cells(const CellRange& range, Visit&& visit) const {
   return true;
 }
 
+// Cells along an axis whose triangles may come within `radius` of the coordinate q.
+Reference::CellRange Reference::cells_within(std::size_t axis, double q, double radius) const {
+  const double reach = radius * cells_per_mm_[axis] + overhang_[axis], at = q - first_cell_[axis];
+  const double last = block_count_[axis] * kSide - 1;
+  // Conversion rounds down what is not negative.
+  return {static_cast<std::int32_t>(std::clamp(at - reach, 0.0, last + 1)),
+          static_cast<std::int32_t>(std::clamp(at + reach, -1.0, last) + 1) - 1};
+}
+
+// Square of the least distance along an axis, mm, from the coordinate q to triangles of a cell.
+double Reference::squared_gap(std::size_t axis, double q, std::int32_t cell) const {
+  const double from = cell + first_cell_[axis] - overhang_[axis];
+  const double gap = std::max({0.0, from - q, q - from - 1 - 2 * overhang_[axis]}) * frame_.spacing[axis];
+  return gap * gap;
+}
+
 Reference::Nearest Reference::nearest(Vec3 point, double radius, Vec3 facing) const {
   Nearest best{kNoIndex, radius * radius};
-  visit_cells(cells_around(point, radius), [&](Index t) {
+  visit_near(point, radius, [&](Index t) {
     if (dot(normals[t], facing) <= 0) return true;
     const double height = dot(point - points[triangles[t].corner[0]], normals[t]);
     if (height * height > best.squared_distance) return true;
@@ -274,19 +292,18 @@ bool Reference::is_near(Index triangle, Vec3 point, double squared_radius) const
 }
 
 bool Reference::has_within(Vec3 point, double radius) const {
-  return !visit_cells(cells_around(point, radius),
-                      [&](Index t) { return !is_near(t, point, radius * radius); });
+  return !visit_near(point, radius, [&](Index t) { return !is_near(t, point, radius * radius); });
 }
 
 bool Reference::has_averted_within(Vec3 point, double radius, Vec3 facing) const {
-  return !visit_cells(cells_around(point, radius), [&](Index t) {
+  return !visit_near(point, radius, [&](Index t) {
     return dot(normals[t], facing) >= 0 || !is_near(t, point, radius * radius);
   });
 }
 
 void Reference::within(Vec3 point, double radius, std::vector<Index>& found) const {
   found.clear();
-  visit_cells(cells_around(point, radius), [&](Index t) {
+  visit_near(point, radius, [&](Index t) {
     if (is_near(t, point, radius * radius)) found.push_back(t);
     return true;
   });

@@ -19,7 +19,9 @@ struct LinkedTriangle {
 
   bool is_alive() const { return corner[0] != kNoIndex; }
   // Position of a vertex among the corners. Precondition: it is one of them.
-  std::size_t slot_of(Index vertex) const { return corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2; }
+  std::size_t slot_of(Index vertex) const {
+    return static_cast<std::size_t>(corner[1] == vertex) + 2 * static_cast<std::size_t>(corner[2] == vertex);
+  }
   bool has(Index vertex) const { return corner[0] == vertex || corner[1] == vertex || corner[2] == vertex; }
 };
 
@@ -62,20 +64,22 @@ class Reference {
   static constexpr int kSide = 8;
   static constexpr int kCells = kSide * kSide * kSide;
   struct CellRange {
-    std::array<std::int32_t, 3> lo, hi;  // inclusive
+    std::int32_t first, last;  // inclusive
   };
 
   void renumber(const SurfaceMesh& surface, std::vector<Index>* numbers, const Context& context);
   void link(const Context& context);
   void build_blocks(const std::vector<std::uint64_t>& codes);
-  CellRange cells_around(Vec3 point, double radius) const;
+  CellRange cells_within(std::size_t axis, double q, double radius) const;
+  double squared_gap(std::size_t axis, double q, std::int32_t cell) const;
   bool is_near(Index triangle, Vec3 point, double squared_radius) const;
   template <class Visit>
-  bool visit_cells(const CellRange& range, Visit&& visit) const;
+  bool visit_near(Vec3 point, double radius, Visit&& visit) const;
 
   GridFrame frame_;
-  std::array<std::int32_t, 3> first_cell_{};          // smallest cell index, a multiple of kSide
-  std::array<std::int32_t, 3> block_count_{};         // extent of the directory
+  std::array<std::int32_t, 3> first_cell_{};   // smallest cell index, a multiple of kSide
+  std::array<std::int32_t, 3> block_count_{};  // extent of the directory
+  Vec3 cells_per_mm_;
   Vec3 overhang_;                                     // how far triangles leave the cell of their centroid
   std::vector<std::uint32_t> directory_;              // block at (i, j, k), or kNoIndex
   std::vector<std::array<Index, kCells + 1>> block_;  // first triangle of each cell, in Morton order

@@ -16,13 +16,13 @@ using Target = ReverseScratch::Target;
 Target make_target(Index id, const std::array<Vec3, 3>& c, double tolerance) {
   const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0], e0 = c[2] - c[1];
   const Vec3 n = cross(e1, e2);
-  const double nn = squared_norm(n), length = std::sqrt(nn);
+  const double inverse = 1 / squared_norm(n);
   const std::array<double, 3> squares{squared_norm(e0), squared_norm(e2), squared_norm(e1)};
-  Target target{id, {}, {}, c, {e0, e2, e1}, squares, cross(e2, n) / nn, cross(n, e1) / nn, n / length, {}};
+  Target target{
+      id, c, {e0, e2, e1}, squares, cross(e2, n) * inverse, cross(n, e1) * inverse, n * std::sqrt(inverse),
+      {}};
   for (std::size_t k = 0; k < 3; ++k) {
-    target.margin[k] = tolerance * std::sqrt(squares[k]) / length;
-    target.lo[k] = std::min({c[0][k], c[1][k], c[2][k]}) - tolerance;
-    target.hi[k] = std::max({c[0][k], c[1][k], c[2][k]}) + tolerance;
+    target.margin[k] = tolerance * std::sqrt(squares[k] * inverse);
   }
   return target;
 }
@@ -34,15 +34,13 @@ bool segment_is_within(Vec3 d, Vec3 edge, double squared_length, double limit) {
 
 // Whether p is within sqrt(limit) of the closed triangle.
 bool is_within(const Target& target, Vec3 p, double limit) {
-  if (p.x < target.lo.x || p.x > target.hi.x || p.y < target.lo.y || p.y > target.hi.y || p.z < target.lo.z ||
-      p.z > target.hi.z) {
-    return false;
-  }
   const Vec3 d = p - target.corner[0];
   const double l1 = dot(d, target.row1), l2 = dot(d, target.row2), l0 = 1 - l1 - l2;
-  if (l0 < -target.margin[0] || l1 < -target.margin[1] || l2 < -target.margin[2]) return false;
   const double h = dot(d, target.normal);
-  if (h * h > limit) return false;
+  // One branch instead of several that are hard to foresee.
+  const int is_far = static_cast<int>(l0 < -target.margin[0]) | static_cast<int>(l1 < -target.margin[1]) |
+                     static_cast<int>(l2 < -target.margin[2]) | static_cast<int>(h * h > limit);
+  if (is_far != 0) return false;
   if (l0 >= 0 && l1 >= 0 && l2 >= 0) return true;
   return (l1 < 0 && segment_is_within(d, target.edge[1], target.squared_length[1], limit)) ||
          (l2 < 0 && segment_is_within(d, target.edge[2], target.squared_length[2], limit)) ||

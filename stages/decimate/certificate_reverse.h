@@ -42,7 +42,6 @@ struct ReverseScratch {
   // A triangle in the form that answers "within the tolerance?" quickly.
   struct Target {
     Index id;
-    Vec3 lo, hi;  // box around all that is within the tolerance
     std::array<Vec3, 3> corner;
     std::array<Vec3, 3> edge;              // opposite to each corner
     std::array<double, 3> squared_length;  // of the edges

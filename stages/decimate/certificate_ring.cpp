@@ -1,5 +1,9 @@
 #include "stages/decimate/certificate_ring.h"
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -8,9 +12,8 @@
 namespace periost {
 namespace {
 
-constexpr double kLeastTilt = 0.2;   // least product of a new triangle's normal with the direction
-constexpr double kBeyondEnd = 1e-9;  // of parameters along a segment, always on the safe side
-constexpr double kFlat = 1e-7;       // shadows of triangles with less area than this, per squared edge
+constexpr double kLeastTilt = 0.2;  // least product of a new triangle's normal with the direction
+constexpr double kFlat = 1e-7;      // shadows of triangles with less area than this, per squared edge
 constexpr int kFanWalk = 256;
 constexpr std::size_t kFanFlood = 4096;
 constexpr std::uint32_t kApex = std::uint32_t{1} << 31;  // among the bits of a fan's vertices
@@ -27,6 +30,23 @@ Planar operator-(Planar a, Planar b) {
   return {a.x - b.x, a.y - b.y};
 }
 
+// Bit i: whether values[i] is negative, -0 included. `count`: at most 32, and a place more may be read.
+#if defined(__SSE2__)
+std::uint32_t sign_bits(const double* values, std::size_t count) {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < count; i += 2) {
+    bits |= static_cast<std::uint32_t>(_mm_movemask_pd(_mm_loadu_pd(values + i))) << i;
+  }
+  return bits & static_cast<std::uint32_t>((std::uint64_t{1} << count) - 1);
+}
+#else
+std::uint32_t sign_bits(const double* values, std::size_t count) {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < count; ++i) bits |= static_cast<std::uint32_t>(std::signbit(values[i])) << i;
+  return bits;
+}
+#endif
+
 // The new triangles in the plane, the apex at the origin. Lines 0 to spokes - 1 lead from the apex to each
 // vertex of the rim, lines spokes + j along the rim of cell j.
 struct Fan {
@@ -42,11 +62,13 @@ struct Fan {
     double slope_x, slope_y;
   };
   std::size_t spokes = 0, cells = 0;
+  bool is_cyclic = true;  // cell j has spokes j and j + 1
   std::array<Index, kMaxFan + 1> vertex;
   std::array<Vec3, kMaxFan + 1> rim;  // x, y and height
   std::array<std::uint32_t, kMaxFan + 1> lines_at{}, cells_at{};
   std::array<Cell, kMaxFan> cell;
   std::array<Line, 2 * kMaxFan> line;
+  std::array<double, kMaxFan + 1> rim_x, rim_y;
   // The offset of (x, y) from line l is cx[l] * x + cy[l] * y + c[l].
   std::array<double, 2 * kMaxFan> cx, cy, c;
   Vec3 origin, axis_x, axis_y, axis_z;
@@ -56,6 +78,29 @@ struct Fan {
     return {dot(d, axis_x), dot(d, axis_y), dot(d, axis_z)};
   }
   std::size_t lines() const { return spokes + cells; }
+  // From bits of spokes to those of the cells that have them first or second.
+  std::uint32_t of_first(std::uint32_t bits) const { return is_cyclic ? bits : gathered(bits, &Cell::a); }
+  std::uint32_t of_second(std::uint32_t bits) const {
+    return is_cyclic ? (bits & all_spokes()) >> 1 | (bits & 1u) << (spokes - 1) : gathered(bits, &Cell::b);
+  }
+  // The spokes at whose end all lines that meet there are among these.
+  std::uint32_t ends_of(std::uint32_t lines) const {
+    if (is_cyclic) {
+      const std::uint32_t borders = lines >> spokes;
+      return lines & all_spokes() & borders & (borders << 1 | borders >> (spokes - 1));
+    }
+    std::uint32_t found = 0;
+    for (std::size_t i = 0; i < spokes; ++i) {
+      found |= static_cast<std::uint32_t>((lines & lines_at[i]) == lines_at[i]) << i;
+    }
+    return found;
+  }
+  std::uint32_t all_spokes() const { return (1u << spokes) - 1; }
+  std::uint32_t gathered(std::uint32_t bits, std::uint32_t Cell::*end) const {
+    std::uint32_t found = 0;
+    for (std::size_t j = 0; j < cells; ++j) found |= (bits >> cell[j].*end & 1u) << j;
+    return found;
+  }
   double height(std::size_t j, Planar p) const { return cell[j].slope_x * p.x + cell[j].slope_y * p.y; }
 };
 
@@ -86,7 +131,11 @@ bool choose_frame(Vec3 areas, Fan& fan) {
   const Vec3 aside = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   fan.axis_x = normalized(cross(aside, n));
   fan.axis_y = cross(n, fan.axis_x);
-  for (std::size_t i = 0; i < fan.spokes; ++i) fan.rim[i] = fan.to_fan(fan.rim[i]);
+  for (std::size_t i = 0; i < fan.spokes; ++i) {
+    fan.rim[i] = fan.to_fan(fan.rim[i]);
+    fan.rim_x[i] = fan.rim[i].x;
+    fan.rim_y[i] = fan.rim[i].y;
+  }
   return true;
 }
 
@@ -124,6 +173,7 @@ bool make_fan(const CertifiedMesh& mesh, const Proposal& proposal, Fan& fan) {
     const std::uint32_t b = spoke_to(mesh, cell.corner[(k + 2) % 3], fan);
     if (a > kMaxFan || b > kMaxFan) return false;
     fan.cell[j] = {a, b, 0, 0};
+    fan.is_cyclic = fan.is_cyclic && a == j && b == (j + 1) % fan.cells;
     area[j] = cross(fan.rim[a] - fan.origin, fan.rim[b] - fan.origin);
     areas += area[j];
   }
@@ -251,12 +301,9 @@ class FanOverlay {
     foot.z = q.z;
     const std::size_t lines = fan_.lines();
     for (std::size_t l = 0; l < lines; ++l) foot.offset[l] = fan_.cx[l] * q.x + fan_.cy[l] * q.y + fan_.c[l];
-    std::uint32_t sides = 0;
-    for (std::size_t l = 0; l < lines; ++l) {
-      sides |= static_cast<std::uint32_t>(~std::bit_cast<std::uint64_t>(foot.offset[l]) >> 63) << l;
-    }
-    foot.sides = sides;
-    foot.cell = foot.vertex = foot.touched = 0;
+    foot.sides =
+        ~sign_bits(foot.offset.data(), lines) & static_cast<std::uint32_t>((std::uint64_t{1} << lines) - 1);
+    foot.cell = foot.inside = foot.vertex = foot.touched = 0;
     foot.is_high = false;
     return number;
   }
@@ -287,17 +334,26 @@ class FanOverlay {
     if (mark.stamp == scratch_.tick) return mark.at;
     const std::uint32_t number = place_foot(v);
     Foot& foot = scratch_.feet[number];
-    for (std::size_t j = 0; j < fan_.cells; ++j) {
-      const std::uint32_t inside = (foot.sides >> fan_.cell[j].a) & ~(foot.sides >> fan_.cell[j].b) & 1u;
-      if ((inside & (foot.sides >> (fan_.spokes + j))) == 0) continue;
-      foot.cell = 1u << j;
+    const std::uint32_t inside =
+        fan_.of_first(foot.sides) & ~fan_.of_second(foot.sides) & foot.sides >> fan_.spokes;
+    if (inside != 0) {
+      const auto j = static_cast<std::size_t>(std::countr_zero(inside));
+      foot.cell = foot.inside = 1u << j;
       foot.is_high = note(foot.cell, foot.z - fan_.height(j, {foot.x, foot.y}));
-      break;
     }
     return number;
   }
 
-  static bool is_inside(const Foot& foot) { return foot.cell != 0 && foot.vertex == 0; }
+  // The lines of the fan whose segments are crossed by the line through two feet.
+  std::uint32_t lines_across(const Foot& a, const Foot& b) const {
+    const double x = b.x - a.x, y = b.y - a.y, at_apex = y * a.x - x * a.y;
+    std::array<double, kMaxFan + 2> turn;
+    for (std::size_t i = 0; i < fan_.spokes; ++i) turn[i] = at_apex + (x * fan_.rim_y[i] - y * fan_.rim_x[i]);
+    const std::uint32_t right = sign_bits(turn.data(), fan_.spokes);  // of spokes' ends, seen from a to b
+    const std::uint32_t borders = fan_.of_first(right) ^ fan_.of_second(right);
+    const std::uint32_t spokes = std::signbit(at_apex) ? ~right : right;
+    return (spokes & fan_.all_spokes()) | borders << fan_.spokes;
+  }
 
   // The crossings of an isosurface edge with the fan's; whether its shadow meets the fan's.
   bool cross_lines(const Foot& a, const Foot& b, RingScratch::Visit& seen) {
@@ -305,14 +361,16 @@ class FanOverlay {
     if (common != 0 && a.vertex != 0 &&
         b.vertex != 0) {  // an edge of both: of one new triangle, or between two
       seen.cells = common;
-      return std::popcount(common) > 1;
+      return (common & (common - 1)) != 0;
     }
     if (common != 0) return true;  // both in one new triangle, which is convex
-    bool meets = is_inside(a) || is_inside(b);
+    bool meets = (a.inside | b.inside) != 0;
     // With both ends outside, spokes are reached over the border only, whose lines come last.
     const std::uint32_t border =
         fan_.spokes == fan_.cells ? ~std::uint32_t{0} << fan_.spokes : ~std::uint32_t{0};
-    const std::uint32_t crossed = (a.sides ^ b.sides) & ~(a.touched | b.touched);
+    std::uint32_t crossed = (a.sides ^ b.sides) & ~(a.touched | b.touched);
+    if (crossed == 0) return meets;
+    crossed &= lines_across(a, b);
     for (std::uint32_t left = crossed; left != 0; left ^= std::bit_floor(left)) {
       if (!meets && (left & border) == 0) break;
       const auto l = static_cast<std::size_t>(std::bit_width(left) - 1);
@@ -321,10 +379,9 @@ class FanOverlay {
       const Planar p{a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
       const Planar d = p - line.from;
       const double w = (d.x * line.along.x + d.y * line.along.y) * line.per_squared_length;
-      if (w < -kBeyondEnd || w > 1 + kBeyondEnd) continue;
       meets = true;
       seen.cells |= line.cells;
-      seen.leaves = seen.leaves || line.is_border;
+      seen.leaves |= line.is_border;
       if (note(line.cells, a.z + t * (b.z - a.z) - (line.height + w * line.rise))) seen.is_high = true;
     }
     return meets;
@@ -350,7 +407,7 @@ class FanOverlay {
   void place_fan_vertices(RingScratch::Visit& visit, const std::array<const Foot*, 3>& f) {
     const std::uint32_t any = f[0]->sides | f[1]->sides | f[2]->sides;
     const std::uint32_t mixed = any & ~(f[0]->sides & f[1]->sides & f[2]->sides);
-    const std::uint32_t all_spokes = (1u << fan_.spokes) - 1;
+    const std::uint32_t all_spokes = fan_.all_spokes();
     const std::uint32_t own = f[0]->vertex | f[1]->vertex | f[2]->vertex;
     double height = 0;
     int orientation = 0;
@@ -361,8 +418,8 @@ class FanOverlay {
       visit.leaves = visit.leaves || fan_.spokes != fan_.cells;
       visit.is_high = note(all_cells, height) || visit.is_high;
     }
-    for (std::size_t i = 0; i < fan_.spokes; ++i) {
-      if ((mixed & fan_.lines_at[i]) != fan_.lines_at[i] || (own >> i & 1u) != 0) continue;
+    for (std::uint32_t left = fan_.ends_of(mixed) & ~own; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
       const Planar p{fan_.rim[i].x, fan_.rim[i].y};
       if (!height_at(f, p, height, orientation)) continue;
       visit.cells |= fan_.cells_at[i];
@@ -381,9 +438,8 @@ class FanOverlay {
     const std::array<const Foot*, 3> f{&scratch_.feet[number[0]], &scratch_.feet[number[1]],
                                        &scratch_.feet[number[2]]};
     scratch_.visits[i].foot = number;
-    std::uint32_t cells = f[0]->cell & f[1]->cell & f[2]->cell;
-    for (const Foot* const corner : f) cells |= is_inside(*corner) ? corner->cell : 0;
-    scratch_.visits[i].cells |= cells;
+    scratch_.visits[i].cells |=
+        (f[0]->cell & f[1]->cell & f[2]->cell) | f[0]->inside | f[1]->inside | f[2]->inside;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index next = triangle.across[k];
       const RingScratch::Mark known = next == kNoIndex ? RingScratch::Mark{} : scratch_.visit_of[next];
@@ -393,9 +449,7 @@ class FanOverlay {
       if (!cross_lines(*f[(k + 1) % 3], *f[(k + 2) % 3], seen)) continue;
       if (next == kNoIndex || scratch_.visits.size() > kFanFlood) return false;
       for (const std::size_t j : {i, std::size_t{is_known ? known.at : push(next)}}) {
-        scratch_.visits[j].cells |= seen.cells;
-        scratch_.visits[j].leaves = scratch_.visits[j].leaves || seen.leaves;
-        scratch_.visits[j].is_high = scratch_.visits[j].is_high || seen.is_high;
+        scratch_.visits[j].add(seen);
       }
     }
     place_fan_vertices(scratch_.visits[i], f);

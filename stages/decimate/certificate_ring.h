@@ -49,6 +49,7 @@ struct RingScratch {
     double x, y, z;
     std::uint32_t sides;    // bit l: left of line l
     std::uint32_t cell;     // the new triangle that it is over, as a bit; 0: none
+    std::uint32_t inside;   // likewise, but 0 where it is a vertex of the fan
     std::uint32_t vertex;   // the fan's vertex that it is, as a bit; 0: none. `cell` has all there
     std::uint32_t touched;  // bits of the lines that meet at that vertex
     bool is_high;           // further than the tolerance from it
@@ -60,6 +61,12 @@ struct RingScratch {
     bool leaves;          // perhaps not covered by the fan
     bool is_high;         // further than the tolerance from it at a corner of the overlay
     std::array<std::uint32_t, 3> foot;
+
+    void add(const Visit& seen) {
+      cells |= seen.cells;
+      leaves |= seen.leaves;
+      is_high |= seen.is_high;
+    }
   };
   std::vector<Foot> feet;
   std::vector<Visit> visits;

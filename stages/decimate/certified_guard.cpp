@@ -49,12 +49,6 @@ std::array<Vec3, 3> corners_of(const View& view, const LinkedTriangle& t) {
   return {view.point(t.corner[0]), view.point(t.corner[1]), view.point(t.corner[2])};
 }
 
-template <class View>
-Vec3 centre_of(const View& view, const LinkedTriangle& t) {
-  const auto c = corners_of(view, t);
-  return (c[0] + c[1] + c[2]) / 3;
-}
-
 Vec3 normal_of(const std::array<Vec3, 3>& c) {
   return normalized(cross(c[1] - c[0], c[2] - c[0]));
 }
@@ -65,8 +59,10 @@ struct CosineTerms {
 };
 CosineTerms cosine_terms(const std::array<Vec3, 3>& c) {
   const double a = squared_norm(c[2] - c[1]), b = squared_norm(c[0] - c[2]), d = squared_norm(c[1] - c[0]);
-  const double shortest = std::min({a, b, d});
-  return {a + b + d - 2 * shortest, shortest == a ? b * d : shortest == b ? a * d : a * b};
+  // The shortest and the two others, without branches: which it is can hardly be foreseen.
+  const double less = std::min(a, b), other = std::max(a, b);
+  const double shortest = std::min(less, d), another = std::max(less, d);
+  return {other + another - shortest, other * another};
 }
 
 // How far the smallest angle falls short of the limit, measured by twice its cosine: in radians at 30
@@ -117,17 +113,99 @@ int topology_deficit(const View& view, const LinkedTriangle& cell, int limit) {
   return sum;
 }
 
-template <class View>
-double barycentric_deficit(const View& view, Index t, double limit) {
-  const LinkedTriangle& cell = view.cell(t);
-  for (const Index n : cell.across) {
-    if (n == kNoIndex) return 0;
-  }
-  return std::max(0.0,
-                  limit - smallest_barycentric(centre_of(view, cell), centre_of(view, view.beside(cell, 0)),
-                                               centre_of(view, view.beside(cell, 1)),
-                                               centre_of(view, view.beside(cell, 2))));
+double barycentric_deficit(Vec3 centre, const std::array<Vec3, 3>& neighbours, double limit) {
+  return std::max(0.0, limit - smallest_barycentric(centre, neighbours[0], neighbours[1], neighbours[2]));
 }
+
+Vec3 centre_now(const CertifiedMesh& mesh, Index t) {
+  const auto c = corners_now(mesh, t);
+  return (c[0] + c[1] + c[2]) / 3;
+}
+
+double barycentric_deficit_before(const CertifiedMesh& mesh, Index t, double limit) {
+  std::array<Vec3, 3> neighbours;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Index across = mesh.triangles[t].across[k];
+    if (across == kNoIndex) return 0;
+    neighbours[k] = centre_now(mesh, across);
+  }
+  return barycentric_deficit(centre_now(mesh, t), neighbours, limit);
+}
+
+// The simplex vertices that a proposal moves, at the barycentres of the new triangles, and those beside them.
+class NewCentres {
+ public:
+  NewCentres(const CertifiedMesh& mesh, const Proposal& proposal) : mesh_(mesh), proposal_(proposal) {
+    for (const LinkedTriangle& cell : proposal.cells) {
+      const auto c = corners_after(mesh, proposal, cell);
+      centre_.push_back((c[0] + c[1] + c[2]) / 3);
+    }
+    for (std::size_t i = 0; i < proposal.cells.size(); ++i) {
+      for (const Index t : proposal.cells[i].across) {
+        if (t == kNoIndex || rim_.is_full() || position(t, i) < proposal.after.size()) continue;
+        rim_.push_back(t);
+        beside_rim_.push_back(i);
+      }
+    }
+  }
+
+  // The triangles around the ring, one that lies at two of its edges twice.
+  const FixedList<Index, kMaxRing>& rim() const { return rim_; }
+  bool is_repeated(std::size_t r) const {
+    return std::find(rim_.begin(), rim_.begin() + r, rim_[r]) != rim_.begin() + r;
+  }
+
+  double deficit_inside(std::size_t i, double limit) const {
+    std::array<Vec3, 3> neighbours;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index across = proposal_.cells[i].across[k];
+      if (across == kNoIndex) return 0;
+      const std::size_t at = position(across, i);
+      neighbours[k] = at < proposal_.after.size() ? centre_[at] : centre_now(mesh_, across);
+    }
+    return barycentric_deficit(centre_[i], neighbours, limit);
+  }
+
+  double deficit_at_rim(std::size_t r, double limit) const {
+    const LinkedTriangle& t = mesh_.triangles[rim_[r]];
+    std::array<Vec3, 3> neighbours;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (t.across[k] == kNoIndex) return 0;
+      neighbours[k] =
+          proposal_.before.contains(t.across[k]) ? centre_[beside_rim(r, k)] : centre_now(mesh_, t.across[k]);
+    }
+    return barycentric_deficit(centre_now(mesh_, rim_[r]), neighbours, limit);
+  }
+
+ private:
+  // Where a triangle stands among the new ones, as many as there are if it is none; in a ring, beside the
+  // i-th.
+  std::size_t position(Index t, std::size_t i) const {
+    const auto& after = proposal_.after;
+    const std::size_t next = i + 1 < after.size() ? i + 1 : 0, last = i > 0 ? i - 1 : after.size() - 1;
+    if (after[next] == t) return next;
+    if (after[last] == t) return last;
+    return static_cast<std::size_t>(std::find(after.begin(), after.end(), t) - after.begin());
+  }
+
+  // The new triangle across an edge of one around the ring.
+  std::size_t beside_rim(std::size_t r, std::size_t k) const {
+    const LinkedTriangle& t = mesh_.triangles[rim_[r]];
+    for (std::size_t other = 0; other < rim_.size(); ++other) {
+      const LinkedTriangle& cell = proposal_.cells[beside_rim_[other]];
+      if (rim_[other] == rim_[r] && cell.has(t.corner[(k + 1) % 3]) && cell.has(t.corner[(k + 2) % 3])) {
+        return beside_rim_[other];
+      }
+    }
+    return beside_rim_[r];
+  }
+
+  const CertifiedMesh& mesh_;
+  const Proposal& proposal_;
+  FixedList<Vec3, kMaxRing> centre_;
+  FixedList<Index, kMaxRing> rim_;
+  FixedList<std::size_t, kMaxRing> beside_rim_;  // of rim_: the new triangle that it lies beside
+};
 
 // Excess of the dihedral over its limit at half-edges: where the body is sharp, and where the space around it
 // is. Apart, so that a narrow gap outside cannot be traded for a sharp edge inside.
@@ -290,21 +368,18 @@ bool meets_fold(const Reference& reference, const CertifiedMesh& mesh, const Pro
 }
 
 bool meets_barycentric(const CertifiedMesh& mesh, const Proposal& proposal, const GuardLimits& limits) {
-  const BeforeView before{mesh};
-  const AfterView after{mesh, proposal};
-  FixedList<Index, kMaxRing> rim;
-  for (const LinkedTriangle& cell : proposal.cells) {
-    for (const Index t : cell.across) {
-      if (t != kNoIndex && !rim.is_full() && !proposal.before.contains(t) && !rim.contains(t))
-        rim.push_back(t);
-    }
-  }
+  const NewCentres fresh(mesh, proposal);
+  const double limit = limits.min_barycentric;
   double old_sum = 0, new_sum = 0;
-  for (const Index t : proposal.after) new_sum += barycentric_deficit(after, t, limits.min_barycentric);
-  for (const Index t : rim) new_sum += barycentric_deficit(after, t, limits.min_barycentric);
+  for (std::size_t i = 0; i < proposal.cells.size(); ++i) new_sum += fresh.deficit_inside(i, limit);
+  for (std::size_t r = 0; r < fresh.rim().size(); ++r) {
+    if (!fresh.is_repeated(r)) new_sum += fresh.deficit_at_rim(r, limit);
+  }
   if (new_sum == 0) return true;
-  for (const Index t : proposal.before) old_sum += barycentric_deficit(before, t, limits.min_barycentric);
-  for (const Index t : rim) old_sum += barycentric_deficit(before, t, limits.min_barycentric);
+  for (const Index t : proposal.before) old_sum += barycentric_deficit_before(mesh, t, limit);
+  for (std::size_t r = 0; r < fresh.rim().size(); ++r) {
+    if (!fresh.is_repeated(r)) old_sum += barycentric_deficit_before(mesh, fresh.rim()[r], limit);
+  }
   return new_sum <= old_sum + kSlack;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "stages/decimate/certificate_reference.h"
@@ -39,15 +40,21 @@ CertifiedMesh make_certified_mesh(const Reference& reference);
 template <class T, std::size_t Capacity>
 class FixedList {
  public:
-  void clear() { size_ = 0; }
+  void clear() {
+    size_ = 0;
+    marks_ = 0;
+  }
   bool is_full() const { return size_ == Capacity; }
-  void push_back(const T& value) { items_[size_++] = value; }  // precondition: !is_full()
+  void push_back(const T& value) {  // precondition: !is_full()
+    items_[size_++] = value;
+    if constexpr (std::is_integral_v<T>) marks_ |= mark_of(value);
+  }
   std::size_t size() const { return size_; }
-  T& operator[](std::size_t i) { return items_[i]; }
   const T& operator[](std::size_t i) const { return items_[i]; }
   const T* begin() const { return items_.data(); }
   const T* end() const { return items_.data() + size_; }
   bool contains(const T& value) const {
+    if ((marks_ & mark_of(value)) == 0) return false;
     for (const T& item : *this) {
       if (item == value) return true;
     }
@@ -55,8 +62,12 @@ class FixedList {
   }
 
  private:
+  // Numbers in a list differ in their last bits mostly, so that most that are not in it are known by these.
+  static std::uint64_t mark_of(T number) { return std::uint64_t{1} << (number % 64); }
+
   std::array<T, Capacity> items_;
   std::size_t size_ = 0;
+  std::uint64_t marks_ = 0;
 };
 
 // Rings with more than this many triangles are left as they are; the criterion on valences (3..9) forbids

@@ -186,7 +186,7 @@ void commit_move(CertifiedState& state, Worker& worker) {
   if (proposal.removed != kNoIndex) {
     state.quadrics[proposal.moved] += state.quadrics[proposal.removed];
   }
-  state.sheets.insert(state.mesh, proposal);
+  state.sheets.insert(state.mesh, proposal, worker.sheets);
 }
 
 void commit_insertion(CertifiedState& state, Worker& worker, Index u, Index v) {

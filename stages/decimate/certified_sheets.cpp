@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kMostCells = std::size_t{1} << 22;
 constexpr double kBeyondCell = 1e-6;  // cells; boxes are taken larger by this
 constexpr std::uint32_t kByteTops = 0x808080;
+constexpr double kRoundingOfVolume = 1e-13;  // of a product of three lengths
 constexpr double kConeCosine = 0.5;  // normals within 60 degrees of their mean: the disk is a height field
 
 Vec3 area_vector(const std::array<Vec3, 3>& c) {
@@ -19,25 +20,47 @@ Vec3 area_vector(const std::array<Vec3, 3>& c) {
 }
 
 // How many corners two triangles share; with exactly one, where it stands in each.
-int shared_corners(const std::array<Index, 3>& a, const std::array<Index, 3>& b, std::size_t& in_a,
-                   std::size_t& in_b) {
-  int count = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (a[i] != b[j]) continue;
-      ++count;
-      in_a = i;
-      in_b = j;
-    }
-  }
+std::size_t shared_corners(const std::array<Index, 3>& a, const std::array<Index, 3>& b, std::size_t& in_a,
+                           std::size_t& in_b) {
+  const auto is_in = [](Index v, const std::array<Index, 3>& t) {
+    return static_cast<std::size_t>(v == t[0]) | static_cast<std::size_t>(v == t[1]) |
+           static_cast<std::size_t>(v == t[2]);
+  };
+  const std::size_t second = is_in(a[1], b), third = is_in(a[2], b), count = is_in(a[0], b) + second + third;
+  if (count != 1) return count;
+  in_a = second + 2 * third;
+  in_b = is_in(b[1], a) + 2 * is_in(b[2], a);
   return count;
 }
 
-// Whether two triangles with one common corner meet elsewhere: then the edge opposite to it does, in one.
-bool meet_beyond_corner(const std::array<Vec3, 3>& a, std::size_t i, const std::array<Vec3, 3>& b,
-                        std::size_t j) {
-  return segment_meets_triangle(a[(i + 1) % 3], a[(i + 2) % 3], b) ||
-         segment_meets_triangle(b[(j + 1) % 3], b[(j + 2) % 3], a);
+std::uint64_t marks_of(const std::array<Index, 3>& corner) {
+  return std::uint64_t{1} << corner[0] % 64 | std::uint64_t{1} << corner[1] % 64 |
+         std::uint64_t{1} << corner[2] % 64;
+}
+
+Facet facet_of(const LinkedTriangle& t, const std::array<Vec3, 3>& c) {
+  return {c, area_vector(c),
+          std::max({squared_norm(c[1] - c[0]), squared_norm(c[2] - c[1]), squared_norm(c[0] - c[2])}),
+          marks_of(t.corner)};
+}
+
+// Whether two points lie on the same side of a triangle's plane, further from it than rounding may matter.
+bool are_beside(const Facet& t, Vec3 p, Vec3 q) {
+  const Vec3 to_p = p - t.corner[0], to_q = q - t.corner[0];
+  const double reach = std::abs(to_p.x) + std::abs(to_p.y) + std::abs(to_p.z) + std::abs(to_q.x) +
+                       std::abs(to_q.y) + std::abs(to_q.z);
+  const double least = kRoundingOfVolume * t.squared_size * reach;
+  const double volume_p = dot(t.area, to_p), volume_q = dot(t.area, to_q);
+  return std::min(volume_p, volume_q) > least || std::max(volume_p, volume_q) < -least;
+}
+
+// Whether two triangles with one common corner meet elsewhere: then the edge opposite to it does, in one. Not
+// where one lies on one side of the other's plane but for that corner.
+bool meet_beyond_corner(const Facet& a, std::size_t i, const Facet& b, std::size_t j) {
+  const Vec3 a1 = a.corner[(i + 1) % 3], a2 = a.corner[(i + 2) % 3];
+  const Vec3 b1 = b.corner[(j + 1) % 3], b2 = b.corner[(j + 2) % 3];
+  if (are_beside(b, a1, a2) || are_beside(a, b1, b2)) return false;
+  return segment_meets_triangle(a1, a2, b.corner) || segment_meets_triangle(b1, b2, a.corner);
 }
 
 Box box_of(const std::array<Vec3, 3>& c) {
@@ -59,40 +82,66 @@ bool bytes_meet(std::uint32_t lo1, std::uint32_t hi1, std::uint32_t lo2, std::ui
   return (((hi1 | kByteTops) - lo2) & ((hi2 | kByteTops) - lo1) & kByteTops) == kByteTops;
 }
 
-// Whether all normals of the ring and around it lie in one narrow cone about the ring's own.
-bool is_height_field(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around) {
+// The new triangles, and what their normals lie around.
+struct NewTriangles {
+  const Proposal& proposal;
+  const std::vector<Facet>& facet;
+  Vec3 axis;
+};
+
+NewTriangles new_triangles(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) {
+  scratch.facet.clear();
   Vec3 axis;
   for (const LinkedTriangle& cell : proposal.cells) {
-    axis += area_vector(corners_after(mesh, proposal, cell));
+    scratch.facet.push_back(facet_of(cell, corners_after(mesh, proposal, cell)));
+    axis += scratch.facet.back().area;
   }
-  const double limit = kConeCosine * kConeCosine * squared_norm(axis);
-  const auto is_inside = [&](Vec3 area) {
-    const double product = dot(axis, area);
-    return product > 0 && product * product > limit * squared_norm(area);
-  };
-  return std::all_of(proposal.cells.begin(), proposal.cells.end(),
-                     [&](const LinkedTriangle& cell) {
-                       return is_inside(area_vector(corners_after(mesh, proposal, cell)));
-                     }) &&
-         std::all_of(around.begin(), around.end(),
-                     [&](Index t) { return is_inside(area_vector(corners_now(mesh, t))); });
+  return {proposal, scratch.facet, axis};
 }
 
-// New triangles against those that they share one corner with.
-bool meets_neighbours(const CertifiedMesh& mesh, const Proposal& proposal, const std::vector<Index>& around) {
+// Whether the normals of the new triangles, and of those around them, lie in one narrow cone about the
+// ring's.
+struct HeightField {
+  bool ring = true, around = true;
+};
+HeightField height_field(const CertifiedMesh& mesh, const NewTriangles& fresh,
+                         const std::vector<Index>& around) {
+  const double limit = kConeCosine * kConeCosine * squared_norm(fresh.axis);
+  const auto is_inside = [&](Vec3 area) {
+    const double product = dot(fresh.axis, area);
+    return product > 0 && product * product > limit * squared_norm(area);
+  };
+  return {
+      std::all_of(fresh.facet.begin(), fresh.facet.end(), [&](const Facet& f) { return is_inside(f.area); }),
+      std::all_of(around.begin(), around.end(),
+                  [&](Index t) { return is_inside(area_vector(corners_now(mesh, t))); })};
+}
+
+// New triangles against one another, where they share one corner.
+bool meet_each_other(const NewTriangles& fresh) {
   std::size_t p = 0, q = 0;
-  for (std::size_t i = 0; i < proposal.after.size(); ++i) {
-    const auto a = corners_after(mesh, proposal, proposal.cells[i]);
-    const auto& ids = proposal.cells[i].corner;
-    for (std::size_t j = i + 1; j < proposal.after.size(); ++j) {
-      if (shared_corners(ids, proposal.cells[j].corner, p, q) == 1 &&
-          meet_beyond_corner(a, p, corners_after(mesh, proposal, proposal.cells[j]), q)) {
+  for (std::size_t i = 0; i < fresh.facet.size(); ++i) {
+    const auto& ids = fresh.proposal.cells[i].corner;
+    for (std::size_t j = i + 1; j < fresh.facet.size(); ++j) {
+      if (shared_corners(ids, fresh.proposal.cells[j].corner, p, q) == 1 &&
+          meet_beyond_corner(fresh.facet[i], p, fresh.facet[j], q)) {
         return true;
       }
     }
-    for (const Index t : around) {
-      if (shared_corners(ids, mesh.triangles[t].corner, p, q) == 1 &&
-          meet_beyond_corner(a, p, corners_now(mesh, t), q)) {
+  }
+  return false;
+}
+
+// New triangles against those around them that they share one corner with.
+bool meet_around(const CertifiedMesh& mesh, const NewTriangles& fresh, const std::vector<Index>& around) {
+  std::size_t p = 0, q = 0;
+  for (const Index t : around) {
+    const auto& ids = mesh.triangles[t].corner;
+    const Facet facet = facet_of(mesh.triangles[t], corners_now(mesh, t));
+    for (std::size_t i = 0; i < fresh.facet.size(); ++i) {
+      if ((fresh.facet[i].marks & facet.marks) == 0) continue;
+      if (shared_corners(fresh.proposal.cells[i].corner, ids, p, q) == 1 &&
+          meet_beyond_corner(fresh.facet[i], p, facet, q)) {
         return true;
       }
     }
@@ -248,13 +297,16 @@ void SheetGrid::approach(const CertifiedMesh& mesh, const Proposal& proposal, Sh
   scratch.grid_box = {};
   for (const Index v : proposal.rim) scratch.grid_box.add(to_grid(mesh.points[v]));
   if (proposal.moved != kNoIndex) scratch.grid_box.add(to_grid(proposal.place));
+  scratch.is_watched = false;
   const auto [first, last] = range_of(scratch.grid_box);
   for (std::int32_t k = first[2]; k <= last[2]; ++k) {
     for (std::int32_t j = first[1]; j <= last[1]; ++j) {
       const std::size_t row = row_of(j, k);
       for (std::size_t i = row + static_cast<std::size_t>(first[0]);
            i <= row + static_cast<std::size_t>(last[0]); ++i) {
-        if (is_watched_[i]) __builtin_prefetch(cells_[i].data());
+        if (!is_watched_[i]) continue;
+        scratch.is_watched = true;
+        __builtin_prefetch(cells_[i].data());
       }
     }
   }
@@ -273,7 +325,8 @@ void SheetGrid::insert(const CertifiedMesh& mesh, Index triangle) {
   });
 }
 
-void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal) {
+void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal, const SheetScratch& scratch) {
+  if (!scratch.is_watched) return;
   for (const Index t : proposal.after) insert(mesh, t);
 }
 
@@ -281,13 +334,10 @@ void SheetGrid::insert(const CertifiedMesh& mesh, const Proposal& proposal) {
 bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal, SheetScratch& scratch) {
   if (scratch.stamp.size() < mesh.triangles.size()) scratch.stamp.resize(mesh.triangles.size(), 0);
   const std::uint32_t tick = ++scratch.tick;
-  scratch.corner.clear();
   scratch.box.clear();
   Box all;
-  for (const LinkedTriangle& cell : proposal.cells) {
-    const auto corners = corners_after(mesh, proposal, cell);
-    scratch.corner.insert(scratch.corner.end(), corners.begin(), corners.end());
-    scratch.box.push_back(box_of(corners));
+  for (std::size_t i = 0; i < proposal.cells.size(); ++i) {
+    scratch.box.push_back(box_of(scratch.facet[i].corner));
     all.add(scratch.box.back());
   }
   const auto is_clear_of = [&](Index t) {
@@ -296,10 +346,13 @@ bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal
     if (!box.meets(all) || proposal.before.contains(t)) return true;
     for (std::size_t i = 0; i < proposal.cells.size(); ++i) {
       if (!box.meets(scratch.box[i])) continue;
+      const auto& ids = mesh.triangles[t].corner;
       std::size_t p = 0, q = 0;
-      if (shared_corners(proposal.cells[i].corner, mesh.triangles[t].corner, p, q) > 0) continue;
-      const Vec3* a = scratch.corner.data() + 3 * i;
-      if (triangles_meet({a[0], a[1], a[2]}, b)) return false;
+      if ((scratch.facet[i].marks & marks_of(ids)) != 0 &&
+          shared_corners(proposal.cells[i].corner, ids, p, q) > 0) {
+        continue;
+      }
+      if (triangles_meet(scratch.facet[i].corner, b)) return false;
     }
     return true;
   };
@@ -326,12 +379,14 @@ bool SheetGrid::meets_sheets(const CertifiedMesh& mesh, const Proposal& proposal
 
 bool SheetGrid::would_intersect(const CertifiedMesh& mesh, const Proposal& proposal,
                                 const std::vector<Index>& around, SheetScratch& scratch) {
+  const NewTriangles fresh = new_triangles(mesh, proposal, scratch);
   // A disc with a contour in it can lie on itself though all its normals are alike.
   const bool is_open =
       std::any_of(proposal.rim.begin(), proposal.rim.end(), [&](Index v) { return mesh.is_on_contour(v); });
-  if ((is_open || !is_height_field(mesh, proposal, around)) && meets_neighbours(mesh, proposal, around))
-    return true;
-  return meets_sheets(mesh, proposal, scratch);
+  const HeightField is = is_open ? HeightField{false, false} : height_field(mesh, fresh, around);
+  if (!is.ring && meet_each_other(fresh)) return true;
+  if (!(is.ring && is.around) && meet_around(mesh, fresh, around)) return true;
+  return scratch.is_watched && meets_sheets(mesh, proposal, scratch);
 }
 
 }  // namespace periost

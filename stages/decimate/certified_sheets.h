@@ -22,10 +22,21 @@ struct Box {
     add(o.lo);
     add(o.hi);
   }
+  // One branch for all axes: each alone is hard to foresee.
   bool meets(const Box& o) const {
-    return lo.x <= o.hi.x && o.lo.x <= hi.x && lo.y <= o.hi.y && o.lo.y <= hi.y && lo.z <= o.hi.z &&
-           o.lo.z <= hi.z;
+    const double gap =
+        std::max({lo.x - o.hi.x, o.lo.x - hi.x, lo.y - o.hi.y, o.lo.y - hi.y, lo.z - o.hi.z, o.lo.z - hi.z});
+    return gap <= 0;
   }
+};
+
+// A triangle with what tests of it against others ask for again and again.
+struct Facet {
+  std::array<Vec3, 3> corner;
+  Vec3 area;            // twice its area long
+  double squared_size;  // of the longest edge
+  std::uint64_t
+      marks;  // a bit for each corner's number: triangles without a common bit have no common corner
 };
 
 // Buffers of one thread.
@@ -33,7 +44,8 @@ struct SheetScratch {
   std::vector<std::uint32_t> stamp;  // of output triangles
   std::uint32_t tick = 0;
   Box grid_box;              // of the proposal, in cells
-  std::vector<Vec3> corner;  // of the new triangles, three each
+  bool is_watched = true;    // whether the proposal comes to a cell that is
+  std::vector<Facet> facet;  // the new triangles
   std::vector<Box> box;      // of the new triangles
 };
 
@@ -74,8 +86,8 @@ class SheetGrid {
   // Voxels a side; cell borders are at its multiples in the image's index space.
   double side() const { return side_; }
 
-  // Enters the triangles of a proposal that has been applied.
-  void insert(const CertifiedMesh& mesh, const Proposal& proposal);
+  // Enters the triangles of a proposal that has been applied, and for which approach was called before.
+  void insert(const CertifiedMesh& mesh, const Proposal& proposal, const SheetScratch& scratch);
   // Enters one triangle, wherever it stood before.
   void insert(const CertifiedMesh& mesh, Index triangle);
 
