@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/base/parallel.h"
 #include "stages/decimate/certified_fetch.h"
 
 namespace periost {
@@ -349,16 +350,27 @@ Vec3 fair_place(const CertifiedState& state, Index v, const Star& star) {
 
 }  // namespace
 
-double median_removal_cost(const CertifiedState& state) {
+double median_removal_cost(const CertifiedState& state, const Context& context) {
   constexpr Index kStride = 31;
-  std::vector<double> costs;
-  Star star;
+  constexpr std::size_t kBlock = 256;
+  std::vector<Index> sample;
   Index seen = 0;
   for (Index u = 0; u < state.mesh.points.size(); ++u) {
-    if (!is_alive(state.mesh, u) || state.mesh.is_locked[u] || seen++ % kStride != 0) continue;
-    if (!gather_star(state.mesh, u, star)) continue;
-    for (const Index v : star.link) costs.push_back(removal_cost(state, std::min(u, v), std::max(u, v)));
+    if (is_free(state.mesh, u) && seen++ % kStride == 0) sample.push_back(u);
   }
+  std::vector<std::vector<double>> costs_at(sample.size());
+  parallel_blocks(context, sample.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    Star star;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index u = sample[i];
+      if (!gather_star(state.mesh, u, star)) continue;
+      for (const Index v : star.link) {
+        costs_at[i].push_back(removal_cost(state, std::min(u, v), std::max(u, v)));
+      }
+    }
+  });
+  std::vector<double> costs;
+  for (const auto& at : costs_at) costs.insert(costs.end(), at.begin(), at.end());
   if (costs.empty()) return 0;
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::nth_element(costs.begin(), middle, costs.end());

@@ -10,7 +10,7 @@ namespace periost {
 using VertexList = std::vector<Index>;
 
 // Median removal cost over a sample of the edges. Deterministic.
-double median_removal_cost(const CertifiedState& state);
+double median_removal_cost(const CertifiedState& state, const Context& context);
 
 // Tries to remove the edges that cost at most `limit`, cheapest first within runs of a thousand vertices,
 // with swaps around each removal; ends when worker.quota is used up. An edge belongs to the run that holds

@@ -41,15 +41,21 @@ constexpr double kLeastLoss = 0.002;  // of the volume: fitted well enough when 
 constexpr int kSliverRounds = 24, kRoundsInVain = 4;
 constexpr int kSplits = 3;
 constexpr double kSplitBelow = 0.75;  // of the least angle: slivers so bad are split in the hope of more
-constexpr std::size_t kRegions = 4;   // that space is cut into, as long as they are not too small
-constexpr std::size_t kLeastOfARegion = 3000;  // vertices
+constexpr std::size_t kRegions = 4;   // that space is cut into, as long as they are not too small or large
+constexpr std::size_t kLeastOfARegion = 3000, kMostOfARegion = 40'000;  // vertices
 // While edges are removed, |D| may exceed the limit by this much; swaps bring it down again at the end. At
 // the limit itself removals would stop at twice the triangles.
 constexpr int kTopologySlack = 3;
 
-std::size_t living_triangles(const CertifiedMesh& mesh) {
-  std::size_t count = 0;
-  for (const auto& t : mesh.triangles) count += t.is_alive() ? 1 : 0;
+constexpr std::size_t kCounted = 32'768;  // triangles of one task
+
+std::size_t count_living_triangles(const CertifiedMesh& mesh, const Context& context) {
+  std::atomic<std::size_t> count{0};
+  parallel_blocks(context, mesh.triangles.size(), kCounted, [&](std::size_t begin, std::size_t end) {
+    std::size_t living = 0;
+    for (std::size_t t = begin; t < end; ++t) living += mesh.triangles[t].is_alive() ? 1 : 0;
+    count += living;
+  });
   return count;
 }
 
@@ -96,7 +102,8 @@ class Schedule {
         context_(context),
         progress_(context, "decimating", kStages + kMostRounds + 3),
         is_border_locked_(has_locked_border(state.mesh)),
-        volume_(extents_of(state).volume) {}
+        volume_(extents_of(state).volume),
+        living_triangles_(count_living_triangles(state.mesh, context)) {}
 
   void run(Extent extent) {
     remove_by_cost();
@@ -115,7 +122,7 @@ class Schedule {
       swap_pass(state, worker, vertices);
     });
     for (int stage = 0; stage < kStages && removals_left() > 0; ++stage) {
-      const double limit = median_removal_cost(state_);
+      const double limit = median_removal_cost(state_, context_);
       sweep_early([limit](CertifiedState& state, Worker& worker, const VertexList& vertices) {
         removal_pass(state, worker, vertices, limit);
       });
@@ -160,7 +167,7 @@ class Schedule {
     const double budget = state_.share * static_cast<double>(kRoundTriangles);
     std::size_t gone_over = 0;
     for (std::size_t round = 0; round < most; ++round) {
-      const std::size_t before = living_triangles(state_.mesh);
+      const std::size_t before = living_triangles_;
       gone_over += before;
       const bool is_long = !is_asked && round + 1 >= kLeastRounds && static_cast<double>(gone_over) > budget;
       const bool is_last = is_long || round + 1 == most;
@@ -169,7 +176,7 @@ class Schedule {
         final_round(state, worker, vertices, bold, aim);
       });
       end_step("round");
-      const std::size_t after = living_triangles(state_.mesh);
+      const std::size_t after = living_triangles_;
       const double least = (is_asked ? kWorthwhileAsked : kWorthwhile) * static_cast<double>(after);
       if (is_last || removals_left() == 0 || static_cast<double>(before - after) < least) break;
     }
@@ -229,7 +236,7 @@ class Schedule {
       split_pass(state_, *worker, vertices, limit);
       mend_slivers_by(*worker);
     }
-    idle_.push_back(std::move(worker));
+    give_back_lone(std::move(worker));
   }
 
   // The slivers that are left, and what the fit has made worse.
@@ -237,7 +244,7 @@ class Schedule {
     std::unique_ptr<Worker> worker = take_lone_worker();
     mend_slivers_by(*worker);
     rescue_pass(state_, *worker, context_);
-    idle_.push_back(std::move(worker));
+    give_back_lone(std::move(worker));
   }
 
   // What removals left over; insertions bring it to life again.
@@ -315,8 +322,8 @@ class Schedule {
   // How many removals there may still be before the surface has no more triangles than asked.
   std::size_t removals_left() const {
     if (options_.max_triangles == 0) return std::numeric_limits<std::size_t>::max();
-    const std::size_t living = living_triangles(state_.mesh);
-    return living > options_.max_triangles ? (living - options_.max_triangles + 1) / 2 : 0;
+    const std::size_t excess = living_triangles_ - std::min(living_triangles_, options_.max_triangles);
+    return (excess + 1) / 2;
   }
 
   // Cuts space anew and runs `work` on every region, several at a time. The largest come first, so that no
@@ -326,7 +333,8 @@ class Schedule {
     const std::size_t left = removals_left();
     std::size_t living = 0;
     for (const Index t : state_.mesh.incident) living += t != kNoIndex ? 1 : 0;
-    auto regions = cut_regions(state_, std::max(kLeastOfARegion, living / kRegions), turn_++, context_);
+    const std::size_t most = std::clamp(living / kRegions, kLeastOfARegion, kMostOfARegion);
+    auto regions = cut_regions(state_, most, turn_++, context_);
     std::stable_sort(regions.begin(), regions.end(),
                      [](const Region& a, const Region& b) { return a.vertices.size() > b.vertices.size(); });
     std::atomic<std::size_t> next{0};
@@ -348,9 +356,19 @@ class Schedule {
         lend(spares ? *spares : Spares{}, i, regions.size(), *worker);
         work(state_, *worker, region.vertices);
       }
-      const std::lock_guard lock(mutex_);
-      idle_.push_back(std::move(worker));
+      give_back(std::move(worker));
     });
+    living_triangles_ = count_living_triangles(state_.mesh, context_);
+  }
+
+  void give_back(std::unique_ptr<Worker> worker) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(worker));
+  }
+
+  void give_back_lone(std::unique_ptr<Worker> worker) {
+    give_back(std::move(worker));
+    living_triangles_ = count_living_triangles(state_.mesh, context_);
   }
 
   std::unique_ptr<Worker> take_worker() {
@@ -364,7 +382,7 @@ class Schedule {
   void end_step(const char* what) {
     progress_.step();
     context_.debug("decimate.stage",
-                   std::string(what) + ": " + std::to_string(living_triangles(state_.mesh)) + " triangles");
+                   std::string(what) + ": " + std::to_string(living_triangles_) + " triangles");
   }
 
   CertifiedState& state_;
@@ -372,7 +390,8 @@ class Schedule {
   const Context& context_;
   Progress progress_;
   bool is_border_locked_;
-  double volume_;  // enclosed at first, mm3
+  double volume_;                 // enclosed at first, mm3
+  std::size_t living_triangles_;  // after the last sweep
   unsigned turn_ = 0;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Worker>> idle_;
