@@ -68,7 +68,7 @@ struct Fan {
   std::array<std::uint32_t, kMaxFan + 1> lines_at{}, cells_at{};
   std::array<Cell, kMaxFan> cell;
   std::array<Line, 2 * kMaxFan> line;
-  std::array<double, kMaxFan + 1> rim_x, rim_y;
+  std::array<double, kMaxFan + 1> rim_x, rim_y;  // of `rim` again, for what is asked of all its vertices
   // The offset of (x, y) from line l is cx[l] * x + cy[l] * y + c[l].
   std::array<double, 2 * kMaxFan> cx, cy, c;
   Vec3 origin, axis_x, axis_y, axis_z;
@@ -347,7 +347,7 @@ class FanOverlay {
   // The lines of the fan whose segments are crossed by the line through two feet.
   std::uint32_t lines_across(const Foot& a, const Foot& b) const {
     const double x = b.x - a.x, y = b.y - a.y, at_apex = y * a.x - x * a.y;
-    std::array<double, kMaxFan + 2> turn;
+    std::array<double, kMaxFan + 2> turn{};
     for (std::size_t i = 0; i < fan_.spokes; ++i) turn[i] = at_apex + (x * fan_.rim_y[i] - y * fan_.rim_x[i]);
     const std::uint32_t right = sign_bits(turn.data(), fan_.spokes);  // of spokes' ends, seen from a to b
     const std::uint32_t borders = fan_.of_first(right) ^ fan_.of_second(right);

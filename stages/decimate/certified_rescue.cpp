@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kRings = 4;        // of triangles in a patch; those in the outer two stay as they are
 constexpr int kSplitSweeps = 6;  // over all edges of a patch
+constexpr int kThinningRounds = 6;
 constexpr int kMendingSweeps = 12, kLastSweeps = 3;  // at most, while something moves
 // Of the least angle: triangles under it are rescued by rescue_pass, on a small surface nearly all that fall
 // short.
@@ -30,6 +32,8 @@ struct Recipe {
   double aim;              // of mending: in least angles
   bool worst_angle_first;  // while mending to the aim
 };
+// The first ones split hardly anything, so they bring hardly more triangles; they mend what lacks little.
+constexpr std::array<Recipe, 2> kGentleRecipes{{{2.0, 2, 7.0 / 6, true}, {1.2, 2, 7.0 / 6, true}}};
 constexpr std::array<Recipe, 6> kRecipes{{{0.9, 2, 4.0 / 3, true},
                                           {0.65, 2, 4.0 / 3, false},
                                           {0.65, 2, 1.5, true},
@@ -146,6 +150,17 @@ void sweep_while_moving(const Worker& worker, int most, Pass&& pass) {
   }
 }
 
+// Removes what the angles let go, with relocations between that make room for more.
+void thin_out(CertifiedState& state, Worker& worker, const Patch& patch) {
+  for (int round = 0; round < kThinningRounds; ++round) {
+    if (round > 0) relocation_pass(state, worker, patch.free_vertices());
+    const std::uint64_t before = worker.counts.removals;
+    removal_pass(state, worker, patch.free_vertices(), std::numeric_limits<double>::max());
+    if (worker.counts.removals == before) break;
+    swap_pass(state, worker, patch.free_vertices());
+  }
+}
+
 void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& worker, const Patch& patch) {
   const GuardLimits limits = worker.limits;
   const GuardLimits mending = mending_slivers(limits);
@@ -159,7 +174,7 @@ void follow(const Recipe& recipe, double mean, CertifiedState& state, Worker& wo
   sweep_while_moving(worker, kMendingSweeps, [&] { angle_pass(state, worker, patch.free_vertices(), aim); });
   worker.limits = limits;
   sweep_while_moving(worker, kLastSweeps, [&] { sliver_pass(state, worker, patch.free_vertices()); });
-  removal_pass(state, worker, patch.free_vertices(), std::numeric_limits<double>::max());
+  thin_out(state, worker, patch);
 }
 
 // Follows the recipe in the patch around a triangle. Whether the result was kept.
@@ -182,6 +197,24 @@ bool is_free_around(const CertifiedMesh& mesh, const std::array<Index, 3>& corne
   });
 }
 
+// Each recipe on all slivers that are left, the worst first. How many of the tries that there may be are
+// left.
+std::size_t rescue_by(std::span<const Recipe> recipes, CertifiedState& state, Worker& worker, double limit,
+                      std::size_t tries, const Context& context) {
+  for (const Recipe& recipe : recipes) {
+    for (const Index t : find_slivers(state, limit)) {
+      if (tries == 0) return 0;
+      context.check_cancelled();
+      const LinkedTriangle& cell = state.mesh.triangles[t];
+      if (!cell.is_alive() || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
+      if (!is_free_around(state.mesh, cell.corner)) continue;
+      mend_around(state, worker, t, recipe);
+      --tries;
+    }
+  }
+  return tries;
+}
+
 }  // namespace
 
 std::vector<Index> find_slivers(const CertifiedState& state, double limit) {
@@ -199,17 +232,7 @@ std::vector<Index> find_slivers(const CertifiedState& state, double limit) {
 
 void rescue_slivers(CertifiedState& state, Worker& worker, double limit, std::size_t recipes,
                     const Context& context) {
-  for (const Recipe& recipe : kRecipes) {
-    for (const Index t : find_slivers(state, limit)) {
-      if (recipes == 0) return;
-      context.check_cancelled();
-      const LinkedTriangle& cell = state.mesh.triangles[t];
-      if (!cell.is_alive() || !has_angle_under(corners_now(state.mesh, t), limit)) continue;
-      if (!is_free_around(state.mesh, cell.corner)) continue;
-      mend_around(state, worker, t, recipe);
-      --recipes;
-    }
-  }
+  rescue_by(kRecipes, state, worker, limit, recipes, context);
 }
 
 void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) {
@@ -223,7 +246,9 @@ void rescue_pass(CertifiedState& state, Worker& worker, const Context& context) 
     const double limit = part * worker.limits.min_angle;
     const std::size_t slivers = find_slivers(state, limit).size();
     if (slivers == 0) continue;
-    rescue_slivers(state, worker, limit, recipes, context);
+    const std::size_t left =
+        part == kUnder ? rescue_by(kGentleRecipes, state, worker, limit, recipes, context) : recipes;
+    rescue_by(kRecipes, state, worker, limit, left, context);
     context.debug("decimate.rescue", std::to_string(find_slivers(state, limit).size()) + " of " +
                                          std::to_string(slivers) + " slivers left after their rescue");
   }

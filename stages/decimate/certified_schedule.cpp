@@ -30,7 +30,7 @@ constexpr double kWorthwhile = 0.015, kWorthwhileAsked = 0.001;
 // The first of them let removals make angles down to such a part of the least one, and mend these after:
 // where no removal leaves good angles at once, one with a few moves after it often does. All would leave too
 // many that nothing mends.
-constexpr std::array<double, 5> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77};
+constexpr std::array<double, 7> kBoldAngle{0.87, 0.87, 0.77, 0.77, 0.77, 0.77, 0.77};
 constexpr double kAim = 1.3;  // times the least angle: what mending aims at before further removals
 // Likewise before the law of motion, which needs room, too; a surface that stops at a count has it anyway.
 constexpr double kLastAim = 1.15;

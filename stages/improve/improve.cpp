@@ -215,10 +215,15 @@ ImproveResult improve(const TetMesh& mesh, const ImproveInputs& inputs, const Im
   work("with insertion", {target, true, kFirstPrice, false, 0});
   work("with all means", {first, true, 0, true, kLaterGain});
   work("with insertion", {target, true, kLaterPrice, false, 0});
-  if (slide != nullptr && improver.share_below(std::min(target, sine_of(kWideLimit))) > kWideShare) {
-    work("with sliding of more", {std::min(target, sine_of(kWideTarget)), false, 0, true, kLaterGain});
-  }
+  const auto is_wide = [&] {
+    return slide != nullptr && improver.share_below(std::min(target, sine_of(kWideLimit))) > kWideShare;
+  };
+  const double wide = std::min(target, sine_of(kWideTarget));
+  if (is_wide()) work("with sliding of more", {wide, false, 0, true, kLaterGain});
+  if (is_wide()) work("with all means for more", {wide, true, 0, true, kLaterGain});
   improver.rescue(std::min(target, sine_of(kRescueLimit)));
+  // What the rescue has left behind on a small mesh.
+  if (is_wide()) work("with all means for more", {wide, true, 0, true, kLaterGain});
   if (options.split_thin) {
     const std::size_t splits = split_thin_walls(complex, improver.room());
     improver.round({target, false, 0, false, 0});
