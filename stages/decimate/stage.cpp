@@ -36,7 +36,7 @@ class DecimateStage final : public StageOf<DecimateOptions> {
  public:
   void declare(Declaration<DecimateOptions>& d) const override {
     using O = DecimateOptions;
-    d.stage("decimate", 2, "Decimates an isosurface as a deformable simplex mesh.")
+    d.stage("decimate", 3, "Decimates an isosurface as a deformable simplex mesh.")
         .input<Isosurface>("isosurface", "The surface to decimate, open or closed.",
                            {.manifold = true, .oriented = true})
         .optional_input<Hints>("hints",

@@ -15,7 +15,7 @@ namespace {
 class ImproveStage final : public StageOf<ImproveOptions> {
  public:
   void declare(Declaration<ImproveOptions>& d) const override {
-    d.stage("improve", 7, "Raises the dihedral angles of a tetrahedral mesh, worst first.")
+    d.stage("improve", 8, "Raises the dihedral angles of a tetrahedral mesh, worst first.")
         .input<TetMesh>("tet_mesh", "The mesh to improve.")
         .optional_input<Isosurface>("isosurface", "What a sliding boundary keeps its distance from.")
         .optional_input<SimplexMesh>("simplex_mesh", "The decimated model, for the distance it was asked.")

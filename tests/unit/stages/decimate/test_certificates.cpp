@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "certified_shapes.h"
+#include "pipeline/geometry/closest_point.h"
 #include "stages/decimate/certificate_forward.h"
 #include "stages/decimate/certificate_reverse.h"
 #include "stages/decimate/certificate_ring.h"
@@ -45,6 +46,20 @@ DualTriangle random_triangle(const Reference& reference, Random& random, double 
     for (int step = 0; step < 5; ++step) t = reference.triangles[t].across[random.below(3)];
   }
   return triangle;
+}
+
+TEST(SquaredDistance, IsThatOfTheClosestPointForTrianglesOfAllShapes) {
+  Random random(19, 0);
+  for (const double height : {1.0, 0.2, 1e-3, 1e-6, 0.0}) {
+    for (int trial = 0; trial < 2000; ++trial) {
+      const Vec3 a = random_vector(random, 100), b = a + random_vector(random, 2);
+      // Beside, over and beyond the edge a b: acute, obtuse, and flat in the end.
+      const Vec3 c = a + (b - a) * (3 * random.uniform() - 1) + random_vector(random, height);
+      const Vec3 p = a + random_vector(random, 4);
+      const double expected = squared_norm(p - closest_point_on_triangle(p, a, b, c));
+      EXPECT_NEAR(squared_distance(p, {a, b, c}), expected, 1e-9 * (1 + expected)) << "height " << height;
+    }
+  }
 }
 
 TEST(Reference, NearestAndWithinAgreeWithBruteForce) {
