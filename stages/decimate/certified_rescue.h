@@ -9,8 +9,9 @@
 // isosurface and evened out; mended with a higher aim than the least angle, which removes most of what was
 // inserted; and thinned out under the angle criterion. The result is kept if it is better. How short the
 // edges and how high the aim must be differs from place to place, so a few recipes are tried in a fixed
-// order; what lacks little is tried with hardly any splits first, which spares triangles. Every single move passes all checks but those on angles, topology and barycentric coordinates, so
-// the invariants of certified.h hold throughout.
+// order; what lacks little is tried with hardly any splits first, which spares triangles. Every single move
+// passes all checks but those on angles, topology and barycentric coordinates, so the invariants of
+// certified.h hold throughout.
 #include "pipeline/base/context.h"
 #include "stages/decimate/certified_passes.h"
 
