@@ -12,23 +12,12 @@
 namespace periost {
 namespace {
 
-constexpr double kLeastTilt = 0.2;  // least product of a new triangle's normal with the direction
-constexpr double kFlat = 1e-7;      // shadows of triangles with less area than this, per squared edge
+constexpr double kFlat = 1e-7;  // shadows of triangles with less area than this, per squared edge
 constexpr int kFanWalk = 256;
 constexpr std::size_t kFanFlood = 4096;
 constexpr std::uint32_t kApex = std::uint32_t{1} << 31;  // among the bits of a fan's vertices
 // Of the first new triangle, in general position; the degree is measured there.
 constexpr std::array<double, 2> kFanProbe{0.328759, 0.334138};
-
-struct Planar {
-  double x, y;
-};
-double planar_turn(Planar a, Planar b) {
-  return a.x * b.y - a.y * b.x;
-}
-Planar operator-(Planar a, Planar b) {
-  return {a.x - b.x, a.y - b.y};
-}
 
 // Bit i: whether values[i] is negative, -0 included. `count`: at most 32, and a place more may be read.
 #if defined(__SSE2__)
@@ -46,162 +35,6 @@ std::uint32_t sign_bits(const double* values, std::size_t count) {
   return bits;
 }
 #endif
-
-// The new triangles in the plane, the apex at the origin. Lines 0 to spokes - 1 lead from the apex to each
-// vertex of the rim, lines spokes + j along the rim of cell j.
-struct Fan {
-  struct Line {
-    Planar from, along;
-    double height, rise;  // at `from`, and from there to the other end
-    double per_squared_length;
-    std::uint32_t cells = 0;  // beside it
-    bool is_border = false;
-  };
-  struct Cell {
-    std::uint32_t a, b;  // its spokes, counter-clockwise
-    double slope_x, slope_y;
-  };
-  std::size_t spokes = 0, cells = 0;
-  bool is_cyclic = true;  // cell j has spokes j and j + 1
-  std::array<Index, kMaxFan + 1> vertex;
-  std::array<Vec3, kMaxFan + 1> rim;  // x, y and height
-  std::array<std::uint32_t, kMaxFan + 1> lines_at{}, cells_at{};
-  std::array<Cell, kMaxFan> cell;
-  std::array<Line, 2 * kMaxFan> line;
-  std::array<double, kMaxFan + 1> rim_x, rim_y;  // of `rim` again, for what is asked of all its vertices
-  // The offset of (x, y) from line l is cx[l] * x + cy[l] * y + c[l].
-  std::array<double, 2 * kMaxFan> cx, cy, c;
-  Vec3 origin, axis_x, axis_y, axis_z;
-
-  Vec3 to_fan(Vec3 p) const {
-    const Vec3 d = p - origin;
-    return {dot(d, axis_x), dot(d, axis_y), dot(d, axis_z)};
-  }
-  std::size_t lines() const { return spokes + cells; }
-  // From bits of spokes to those of the cells that have them first or second.
-  std::uint32_t of_first(std::uint32_t bits) const { return is_cyclic ? bits : gathered(bits, &Cell::a); }
-  std::uint32_t of_second(std::uint32_t bits) const {
-    return is_cyclic ? (bits & all_spokes()) >> 1 | (bits & 1u) << (spokes - 1) : gathered(bits, &Cell::b);
-  }
-  // The spokes at whose end all lines that meet there are among these.
-  std::uint32_t ends_of(std::uint32_t lines) const {
-    if (is_cyclic) {
-      const std::uint32_t borders = lines >> spokes;
-      return lines & all_spokes() & borders & (borders << 1 | borders >> (spokes - 1));
-    }
-    std::uint32_t found = 0;
-    for (std::size_t i = 0; i < spokes; ++i) {
-      found |= static_cast<std::uint32_t>((lines & lines_at[i]) == lines_at[i]) << i;
-    }
-    return found;
-  }
-  std::uint32_t all_spokes() const { return (1u << spokes) - 1; }
-  std::uint32_t gathered(std::uint32_t bits, std::uint32_t Cell::*end) const {
-    std::uint32_t found = 0;
-    for (std::size_t j = 0; j < cells; ++j) found |= (bits >> cell[j].*end & 1u) << j;
-    return found;
-  }
-  double height(std::size_t j, Planar p) const { return cell[j].slope_x * p.x + cell[j].slope_y * p.y; }
-};
-
-Index apex_of(const Proposal& proposal) {
-  if (proposal.moved != kNoIndex) return proposal.moved;
-  for (const Index v : proposal.cells[0].corner) {
-    if (proposal.cells[1].has(v)) return v;
-  }
-  return kNoIndex;
-}
-
-// The spoke that ends at a vertex; a new one when there is none. kMaxFan + 1 when there are too many.
-std::uint32_t spoke_to(const CertifiedMesh& mesh, Index vertex, Fan& fan) {
-  for (std::uint32_t i = 0; i < fan.spokes; ++i) {
-    if (fan.vertex[i] == vertex) return i;
-  }
-  if (fan.spokes == kMaxFan) return kMaxFan + 1;
-  fan.vertex[fan.spokes] = vertex;
-  fan.rim[fan.spokes] = mesh.points[vertex];
-  return static_cast<std::uint32_t>(fan.spokes++);
-}
-
-// The frame: z along the sum of the area vectors, so that tilts are small.
-bool choose_frame(Vec3 areas, Fan& fan) {
-  fan.axis_z = normalized(areas);
-  if (fan.axis_z == Vec3{}) return false;
-  const Vec3 n = fan.axis_z;
-  const Vec3 aside = std::abs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  fan.axis_x = normalized(cross(aside, n));
-  fan.axis_y = cross(n, fan.axis_x);
-  for (std::size_t i = 0; i < fan.spokes; ++i) {
-    fan.rim[i] = fan.to_fan(fan.rim[i]);
-    fan.rim_x[i] = fan.rim[i].x;
-    fan.rim_y[i] = fan.rim[i].y;
-  }
-  return true;
-}
-
-void set_line(std::size_t l, Vec3 from, Vec3 to, Fan& fan) {
-  const Planar along{to.x - from.x, to.y - from.y};
-  fan.line[l] = {
-      {from.x, from.y}, along, from.z, to.z - from.z, 1 / (along.x * along.x + along.y * along.y), 0, false};
-  fan.cx[l] = -along.y;
-  fan.cy[l] = along.x;
-  fan.c[l] = along.y * from.x - along.x * from.y;
-}
-
-// How many cells hold the direction of the positive x axis; more than one when the fan winds twice.
-int windings(const Fan& fan) {
-  int count = 0;
-  for (std::size_t j = 0; j < fan.cells; ++j) {
-    count += fan.rim[fan.cell[j].a].y <= 0 && fan.rim[fan.cell[j].b].y > 0 ? 1 : 0;
-  }
-  return count;
-}
-
-// False when the new triangles are no fan, or their shadows do not tile a polygon.
-bool make_fan(const CertifiedMesh& mesh, const Proposal& proposal, Fan& fan) {
-  fan.cells = proposal.cells.size();
-  const Index apex = apex_of(proposal);
-  if (fan.cells > kMaxFan || apex == kNoIndex) return false;
-  fan.origin = proposal.point_of(mesh, apex);
-  std::array<Vec3, kMaxFan> area;
-  Vec3 areas;
-  for (std::size_t j = 0; j < fan.cells; ++j) {
-    const LinkedTriangle& cell = proposal.cells[j];
-    if (!cell.has(apex)) return false;
-    const std::size_t k = cell.slot_of(apex);
-    const std::uint32_t a = spoke_to(mesh, cell.corner[(k + 1) % 3], fan);
-    const std::uint32_t b = spoke_to(mesh, cell.corner[(k + 2) % 3], fan);
-    if (a > kMaxFan || b > kMaxFan) return false;
-    fan.cell[j] = {a, b, 0, 0};
-    fan.is_cyclic = fan.is_cyclic && a == j && b == (j + 1) % fan.cells;
-    area[j] = cross(fan.rim[a] - fan.origin, fan.rim[b] - fan.origin);
-    areas += area[j];
-  }
-  if (fan.lines() > 2 * kMaxFan || !choose_frame(areas, fan)) return false;
-  for (std::size_t i = 0; i < fan.spokes; ++i) set_line(i, {}, fan.rim[i], fan);
-  for (std::size_t j = 0; j < fan.cells; ++j) {
-    auto& [a, b, slope_x, slope_y] = fan.cell[j];
-    const Vec3 ra = fan.rim[a], rb = fan.rim[b];
-    const double det = ra.x * rb.y - ra.y * rb.x;
-    if (!(det > 0) || det * det < kLeastTilt * kLeastTilt * squared_norm(area[j])) return false;
-    slope_x = (ra.z * rb.y - rb.z * ra.y) / det;
-    slope_y = (rb.z * ra.x - ra.z * rb.x) / det;
-    const std::size_t outer = fan.spokes + j;
-    set_line(outer, ra, rb, fan);
-    const std::uint32_t bit = 1u << j;
-    fan.line[a].cells |= bit;
-    fan.line[b].cells |= bit;
-    fan.line[outer].cells = bit;
-    fan.line[outer].is_border = true;
-    for (const std::uint32_t end : {a, b}) {
-      fan.lines_at[end] |= (1u << end) | (1u << outer);
-      fan.cells_at[end] |= bit;
-    }
-  }
-  for (std::size_t i = 0; i < fan.spokes; ++i) fan.line[i].is_border = std::popcount(fan.line[i].cells) < 2;
-  const bool is_closed = fan.spokes == fan.cells;
-  return is_closed ? windings(fan) == 1 : fan.cells == 2;
-}
 
 // One overlay. The patch grows visit by visit; what each adds is looked at once.
 class FanOverlay {

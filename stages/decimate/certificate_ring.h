@@ -29,6 +29,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "stages/decimate/certificate_fan.h"
 #include "stages/decimate/certificate_forward.h"
 #include "stages/decimate/certified_mesh.h"
 
@@ -39,8 +40,6 @@ struct ReverseProof {
   Index home = kNoIndex;
   std::array<Index, 3> label{kNoIndex, kNoIndex, kNoIndex};
 };
-
-inline constexpr std::size_t kMaxFan = 16;  // triangles of a ring that the overlay takes
 
 // Buffers of one thread, and what the last overlay proved.
 struct RingScratch {

@@ -35,8 +35,7 @@ struct Facet {
   std::array<Vec3, 3> corner;
   Vec3 area;            // twice its area long
   double squared_size;  // of the longest edge
-  std::uint64_t
-      marks;  // a bit for each corner's number: triangles without a common bit have no common corner
+  std::uint64_t marks;  // bits of its corners: triangles without a common one have no common corner
 };
 
 // Buffers of one thread.
