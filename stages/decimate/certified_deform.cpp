@@ -15,11 +15,6 @@ constexpr double kReach = 1.5;        // tolerances within which the isosurface 
 constexpr double kLeastStep = 0.1;    // tolerances; smaller ones are not worth a check
 constexpr double kLeastFacing = 0.5;  // product of the normals below which it does not
 
-Vec3 barycentre(const CertifiedMesh& mesh, Index t) {
-  const auto c = corners_now(mesh, t);
-  return (c[0] + c[1] + c[2]) / 3;
-}
-
 // The living triangles, numbered without gaps.
 struct Living {
   std::vector<Index> triangle;  // by number

@@ -117,19 +117,14 @@ double barycentric_deficit(Vec3 centre, const std::array<Vec3, 3>& neighbours, d
   return std::max(0.0, limit - smallest_barycentric(centre, neighbours[0], neighbours[1], neighbours[2]));
 }
 
-Vec3 centre_now(const CertifiedMesh& mesh, Index t) {
-  const auto c = corners_now(mesh, t);
-  return (c[0] + c[1] + c[2]) / 3;
-}
-
 double barycentric_deficit_before(const CertifiedMesh& mesh, Index t, double limit) {
   std::array<Vec3, 3> neighbours;
   for (std::size_t k = 0; k < 3; ++k) {
     const Index across = mesh.triangles[t].across[k];
     if (across == kNoIndex) return 0;
-    neighbours[k] = centre_now(mesh, across);
+    neighbours[k] = barycentre(mesh, across);
   }
-  return barycentric_deficit(centre_now(mesh, t), neighbours, limit);
+  return barycentric_deficit(barycentre(mesh, t), neighbours, limit);
 }
 
 // The simplex vertices that a proposal moves, at the barycentres of the new triangles, and those beside them.
@@ -161,7 +156,7 @@ class NewCentres {
       const Index across = proposal_.cells[i].across[k];
       if (across == kNoIndex) return 0;
       const std::size_t at = position(across, i);
-      neighbours[k] = at < proposal_.after.size() ? centre_[at] : centre_now(mesh_, across);
+      neighbours[k] = at < proposal_.after.size() ? centre_[at] : barycentre(mesh_, across);
     }
     return barycentric_deficit(centre_[i], neighbours, limit);
   }
@@ -172,9 +167,9 @@ class NewCentres {
     for (std::size_t k = 0; k < 3; ++k) {
       if (t.across[k] == kNoIndex) return 0;
       neighbours[k] =
-          proposal_.before.contains(t.across[k]) ? centre_[beside_rim(r, k)] : centre_now(mesh_, t.across[k]);
+          proposal_.before.contains(t.across[k]) ? centre_[beside_rim(r, k)] : barycentre(mesh_, t.across[k]);
     }
-    return barycentric_deficit(centre_now(mesh_, rim_[r]), neighbours, limit);
+    return barycentric_deficit(barycentre(mesh_, rim_[r]), neighbours, limit);
   }
 
  private:

@@ -36,6 +36,12 @@ struct CertifiedMesh {
 // The mesh that is the isosurface itself; distance 0 everywhere. A point where contours touch is locked.
 CertifiedMesh make_certified_mesh(const Reference& reference);
 
+// One bit for a number. Those of elements near one another differ mostly, so that sets without a common bit
+// are soon known to have no common element.
+inline std::uint64_t mark_of(std::uint64_t number) {
+  return std::uint64_t{1} << number % 64;
+}
+
 // A list of fixed capacity on the stack.
 template <class T, std::size_t Capacity>
 class FixedList {
@@ -62,12 +68,9 @@ class FixedList {
   }
 
  private:
-  // Numbers in a list differ in their last bits mostly, so that most that are not in it are known by these.
-  static std::uint64_t mark_of(T number) { return std::uint64_t{1} << (number % 64); }
-
   std::array<T, Capacity> items_;
   std::size_t size_ = 0;
-  std::uint64_t marks_ = 0;
+  std::uint64_t marks_ = 0;  // of all items, where these are numbers
 };
 
 // Rings with more than this many triangles are left as they are; the criterion on valences (3..9) forbids
@@ -148,6 +151,11 @@ struct Proposal {
 inline std::array<Vec3, 3> corners_now(const CertifiedMesh& mesh, Index triangle) {
   const auto& c = mesh.triangles[triangle].corner;
   return {mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
+}
+// Where its simplex vertex stands.
+inline Vec3 barycentre(const CertifiedMesh& mesh, Index triangle) {
+  const auto c = corners_now(mesh, triangle);
+  return (c[0] + c[1] + c[2]) / 3;
 }
 // Of a triangle's record as it would be after the move.
 inline std::array<Vec3, 3> corners_after(const CertifiedMesh& mesh, const Proposal& proposal,

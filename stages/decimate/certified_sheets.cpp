@@ -34,8 +34,7 @@ std::size_t shared_corners(const std::array<Index, 3>& a, const std::array<Index
 }
 
 std::uint64_t marks_of(const std::array<Index, 3>& corner) {
-  return std::uint64_t{1} << corner[0] % 64 | std::uint64_t{1} << corner[1] % 64 |
-         std::uint64_t{1} << corner[2] % 64;
+  return mark_of(corner[0]) | mark_of(corner[1]) | mark_of(corner[2]);
 }
 
 Facet facet_of(const LinkedTriangle& t, const std::array<Vec3, 3>& c) {
